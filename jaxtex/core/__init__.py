@@ -1,0 +1,1 @@
+"""The ground all layers stand on: errors, coordinates, colour, resampling, spectra, stepping."""

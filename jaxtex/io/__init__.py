@@ -1,0 +1,1 @@
+"""The outer boundary: files of images, written and read whole or not at all."""
