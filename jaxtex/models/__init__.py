@@ -1,0 +1,1 @@
+"""Forward models: ``eqx.Module`` values evaluated at one point, lifted by ``vmap``."""
