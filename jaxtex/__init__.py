@@ -37,7 +37,7 @@ _PUBLIC = {
     "write_mask": "jaxtex.io.images",
 }
 
-__all__ = ["__version__", *_PUBLIC]  # noqa: PLE0604
+__all__ = ["__version__", *_PUBLIC]
 
 
 def __getattr__(name: str) -> Any:
