@@ -3,12 +3,14 @@
 import contextlib
 import io
 import re
-from collections.abc import Iterator, Sequence
+import textwrap
+from collections.abc import Sequence
 from typing import TypeVar
 
 OptionsT = TypeVar("OptionsT")
 
 _COLOUR = re.compile(r"\x1b\[[0-9;]*m")
+_RULE = set("─-╭╮╰╯")
 
 
 class UsageError(Exception):
@@ -47,27 +49,22 @@ def parse(options: type[OptionsT], *, prog: str, arguments: Sequence[str]) -> Op
 
 
 def _in_one_line(boxed: str) -> str:
-    """What a box on the terminal says, without its frame, its footer and the help texts it repeats."""
+    """What a box on the terminal says, without its title, its footer and the help texts it repeats."""
     sections: list[list[str]] = [[]]
-    for line in _unframed(boxed):
-        if set(line) <= set("─-"):
+    for line in _COLOUR.sub("", boxed).splitlines()[1:]:
+        inside = line.strip("│").rstrip()
+        if set(inside.strip()) <= _RULE:
             sections.append([])
         else:
-            sections[-1].append(line)
-    problem, *others = sections
-    said = " ".join(" ".join(_without_help_texts(problem)).split()).rstrip(". ")
+            sections[-1].append(inside)
+    problem, *others = ([section for section in map(_outdented, sections) if section]) or [["cannot be read"]]
+    # Option names stand four columns in, and what is said about them eight.
+    said = " ".join(line.strip() for line in problem if not line.startswith(" " * 8)).rstrip(". ")
     for other in others:
-        if other[:1] == ["Perhaps you meant:"] and len(other) > 1:
+        if other[0] == "Perhaps you meant:" and len(other) > 1:
             said += f"; perhaps you meant {other[1].strip()}"
     return said[:1].lower() + said[1:]
 
 
-def _unframed(boxed: str) -> Iterator[str]:
-    for line in _COLOUR.sub("", boxed).splitlines():
-        if line and line[0] not in "╭╰+":
-            yield line.strip("│|").removeprefix(" ").rstrip()
-
-
-def _without_help_texts(lines: list[str]) -> Iterator[str]:
-    """Option names stand four columns in, what is said about them eight."""
-    return (line for line in lines if not line.startswith(" " * 8))
+def _outdented(lines: list[str]) -> list[str]:
+    return textwrap.dedent("\n".join(lines)).splitlines()
