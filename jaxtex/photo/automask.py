@@ -1,0 +1,74 @@
+"""Photograph -> mask of tiles and joints, with nobody clicking.
+
+A lattice tells which pixels should be joint and which tile, up to its own error. From these labels a linear
+discriminant learns what joints look like in *this* photograph: lighter, darker, of another colour, a groove, an edge or
+all of it together. The discriminant, not the lattice, then makes the mask, so that missing joints stay missing.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jaxtex.photo.courses import Map, find_courses
+from jaxtex.photo.evidence import Evidence, find_evidence, shrink
+from jaxtex.photo.lattice import Lattice, joint_distances, to_strips
+from jaxtex.photo.scanlines import scan_courses
+
+WORKING_SIZE = 512
+_SHRINKAGE = 0.02  # of the within-class covariance towards its diagonal
+
+
+class Reading(NamedTuple):
+    """What was read off a photograph: ``joint`` (H, W), probability that a pixel is joint, at the working size, and
+    ``lattices``, guesses at the tiling in its pixels, best first."""
+
+    joint: Map
+    lattices: list[Lattice]
+
+
+def read_tiling(evidence: Evidence, *, perspective: bool = True, rounds: int = 2) -> Reading:
+    """Find lattices in the evidence, learn from the best what joints look like, and look again in what was learnt."""
+    lattices = find_lattices(evidence.joints, perspective=perspective)
+    joint = np.full(evidence.features.shape[:2], 0.5, np.float32)
+    for _ in range(rounds):
+        if not lattices:
+            break
+        joint = learn_joints(evidence.features, lattices[0])
+        lattices = find_lattices({"learnt": joint - joint.mean()}, perspective=perspective, per_map=4)
+    return Reading(joint, lattices)
+
+
+def find_lattices(joints: dict[str, Map], *, perspective: bool = True, per_map: int = 2) -> list[Lattice]:
+    """All guesses from all maps (H, W), best first."""
+    families = find_courses(joints, perspective=perspective, per_map=per_map)
+    lattices = [lattice for family in families for lattice in scan_courses(joints[family.evidence], family)]
+    return sorted(lattices, key=lambda lattice: -lattice.score)
+
+
+def learn_joints(features: Map, lattice: Lattice) -> Map:
+    """Probability (H, W) that a pixel is joint: a linear discriminant of ``features`` (H, W, F) taught by a lattice."""
+    height, width = features.shape[:2]
+    x, y = np.meshgrid(np.arange(width) + 0.5 - width / 2, np.arange(height) + 0.5 - height / 2)
+    head, bed = joint_distances(lattice, *to_strips(lattice, x, y))
+    near = np.minimum(head / lattice.joints[0], bed / lattice.joints[1])
+    spread = features.reshape(-1, features.shape[-1])
+    spread = (spread - spread.mean(0)) / np.maximum(spread.std(0), 1e-6)
+    is_joint, is_tile = (near < 0.3).ravel(), (near > 0.9).ravel()
+    if is_joint.sum() < 30 or is_tile.sum() < 30:
+        return np.full((height, width), 0.5, np.float32)
+    joint, tile = spread[is_joint], spread[is_tile]
+    within = (np.cov(joint.T) + np.cov(tile.T)) / 2
+    within = np.atleast_2d(within)
+    within = within + _SHRINKAGE * np.diag(np.diag(within) + 1e-3)
+    direction = np.linalg.solve(within, joint.mean(0) - tile.mean(0))
+    odds = (spread - (joint.mean(0) + tile.mean(0)) / 2) @ direction
+    return (1 / (1 + np.exp(-np.clip(odds, -30, 30)))).reshape(height, width).astype(np.float32)
+
+
+def auto_mask(pixels: NDArray[np.floating]) -> NDArray[np.bool_]:
+    """Mask [H, W] of a tiled surface, True on tiles, from its picture alone, linear [H, W, 1 or 3]."""
+    from skimage import transform
+
+    joint = read_tiling(find_evidence(shrink(pixels, WORKING_SIZE))).joint
+    return transform.resize(joint, pixels.shape[:2], order=1) < 0.5

@@ -1,0 +1,167 @@
+"""Maps of likely joints -> families of parallel, evenly spaced courses, also seen in perspective.
+
+The spectrum of a tiling peaks where the courses repeat (Lefebvre & Poulin 2000, section 2.1, equations 1 and 2). An
+oblique view smears that peak; but among all views of the plane the one that undoes the perspective gathers it again. So
+the search runs over the two numbers of perspective and keeps the sharpest peaks. Shear does not blur courses, and is
+left to the scanlines.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft, ndimage
+
+Map = NDArray[np.float32]
+
+_SIZE = 128  # longer side of the map that is searched
+_BOX = 256  # side of the transform: room for the picture seen straight, and half-bin steps in frequency
+_HARMONICS = 4
+_FEWEST, _MOST = 2.2, 40.0  # courses along the longer side
+# Strongest perspective tried: the scale changes by these factors from the centre to the ends of the longer side.
+_TILTS = np.linspace(-0.6, 0.6, 9)
+
+
+class Courses(NamedTuple):
+    """A family of courses, in pixels of the map it was found in, relative to the map's centre.
+
+    ``tilt`` (2,): plane point p = x / (1 + tilt . x) for image point x, both from the centre. ``angle``: direction of
+    the courses in the plane, radians. ``height``: their pitch. ``strength``: share of the map's energy that repeats with
+    them. ``evidence``: name of the map.
+    """
+
+    tilt: NDArray[np.float64]
+    angle: float
+    height: float
+    strength: float
+    evidence: str
+
+
+def find_courses(
+    joints: dict[str, Map], *, perspective: bool = True, per_map: int = 2, most: int = 8
+) -> list[Courses]:
+    """Likely course families in maps of joints (all H, W), the strongest first, near-duplicates left out.
+
+    With ``perspective`` the view is searched too; views other than straight on are kept beside the straight one, never
+    instead of it, because only the full fit can tell them apart when courses are few.
+    """
+    found: list[Courses] = []
+    for name, whole in joints.items():
+        found += _search_map(name, whole, perspective=perspective, per_map=per_map)
+    found.sort(key=lambda courses: -courses.strength)
+    kept: list[Courses] = []
+    extent = max(next(iter(joints.values())).shape)
+    for courses in found:
+        if not any(_alike(courses, other, extent) for other in kept):
+            kept.append(courses)
+    return kept[:most]
+
+
+def _search_map(name: str, whole: Map, *, perspective: bool, per_map: int) -> list[Courses]:
+    small, scale = _reduce(whole)
+    straight = np.zeros(2)
+    tilts = [straight]
+    if perspective:
+        tilts += [np.array([x, y]) for x in _TILTS for y in _TILTS if 0 < np.hypot(x, y) <= 0.75]
+    scored = [(_find_peaks(_power(small, tilt / (_SIZE / 2)), 1)[0], tilt) for tilt in tilts]
+    views = [straight]
+    best_peak, best_tilt = max(scored, key=lambda item: item[0][0])
+    if best_peak[0] > 1.1 * scored[0][0][0]:
+        views.append(_refine_tilt(small, best_tilt))
+    found = []
+    for view in views:
+        tilt = view / (_SIZE / 2)
+        for strength, fx, fy in _find_peaks(_power(small, tilt), per_map):
+            # The frequency points across the courses; any of its two senses will do.
+            angle = np.arctan2(fy, fx) - np.pi / 2
+            height = _BOX / np.hypot(fx, fy) / scale
+            found.append(Courses(tilt * scale, float(angle), float(height), strength, name))
+    return found
+
+
+def _refine_tilt(small: Map, tilt: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Climb to the tilt of the sharpest peak by halving steps around the best of the coarse search."""
+    step = (_TILTS[1] - _TILTS[0]) / 2
+    score = _find_peaks(_power(small, tilt / (_SIZE / 2)), 1)[0][0]
+    for _ in range(3):
+        around = [tilt + step * np.array([x, y]) for x in (-1, 0, 1) for y in (-1, 0, 1) if x or y]
+        scores = [_find_peaks(_power(small, other / (_SIZE / 2)), 1)[0][0] for other in around]
+        if max(scores) > score:
+            tilt, score = around[int(np.argmax(scores))], max(scores)
+        step /= 2
+    return tilt
+
+
+def _reduce(whole: Map) -> tuple[Map, float]:
+    scale = min(1.0, _SIZE / max(whole.shape))
+    if scale == 1.0:
+        return whole, 1.0
+    smooth = ndimage.gaussian_filter(whole, 0.4 / scale)
+    shape = [round(n * scale) for n in whole.shape]
+    zoom = [n / m for n, m in zip(shape, whole.shape, strict=True)]
+    return ndimage.zoom(smooth, zoom, order=1, grid_mode=True, mode="nearest"), scale
+
+
+def _power(small: Map, tilt: NDArray[np.float64]) -> Map:
+    """Power spectrum (BOX, BOX // 2 + 1) of the map as the plane shows it, tapered in the picture, unit energy."""
+    height, width = small.shape
+    p = np.arange(_BOX) + 0.5 - _BOX / 2
+    depth = 1.0 - (tilt[0] * p[None, :] + tilt[1] * p[:, None])
+    depth = np.where(depth > 0.3, depth, np.inf)
+    x, y = p[None, :] / depth, p[:, None] / depth
+    inside = (np.abs(x) < width / 2) & (np.abs(y) < height / 2) & np.isfinite(depth)
+    taper = np.where(inside, (np.cos(np.pi * x / width) * np.cos(np.pi * y / height)) ** 2, 0.0)
+    values = ndimage.map_coordinates(small, [y + height / 2 - 0.5, x + width / 2 - 0.5], order=1, mode="nearest")
+    values = (values - (values * taper).sum() / taper.sum()) * taper
+    power = np.abs(fft.rfft2(values.astype(np.float32))) ** 2
+    # Columns other than the first stand for two frequencies each.
+    return power / max(float(power.sum() - 0.5 * power[:, 0].sum()), 1e-30)
+
+
+def _comb_frequencies() -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Half-plane of frequencies (fy, fx) in bins, from the fewest to the most courses."""
+    most = int(_MOST * _BOX / _SIZE)
+    fy, fx = np.mgrid[-most : most + 1, 0 : most + 1]
+    radius = np.hypot(fy, fx)
+    wanted = (radius >= _FEWEST * _BOX / _SIZE) & (radius <= most) & ~((fx == 0) & (fy < 0))
+    return fy[wanted], fx[wanted]
+
+
+_FY, _FX = _comb_frequencies()
+
+
+def _find_peaks(power: Map, count: int) -> list[tuple[float, float, float]]:
+    """The ``count`` strongest (strength, fx, fy): energy at a frequency and its harmonics, sub-bin position."""
+    comb = np.zeros(_FY.shape, np.float32)
+    for k in range(1, _HARMONICS + 1):
+        fy, fx = k * _FY, k * _FX
+        inside = (np.abs(fy) < _BOX // 2) & (fx <= _BOX // 2)
+        comb += np.where(inside, power[fy % _BOX, np.minimum(fx, _BOX // 2)], 0.0)
+    peaks = []
+    for _ in range(count):
+        best = int(np.argmax(comb))
+        fy, fx = int(_FY[best]), int(_FX[best])
+        peaks.append((float(comb[best]), fx + _vertex(power, fy, fx, 1), fy + _vertex(power, fy, fx, 0)))
+        comb[np.hypot(_FY - fy, _FX - fx) < 4] = 0.0
+    return peaks
+
+
+def _vertex(power: Map, fy: int, fx: int, axis: int) -> float:
+    """Offset in bins, within +-1/2, of the parabola's top through a bin and its neighbours along one axis."""
+
+    def log_power(y: int, x: int) -> float:
+        # Negative fx mirrors through the origin: the transform of a real map.
+        y, x = (y, x) if x >= 0 else (-y, -x)
+        return float(np.log(power[y % _BOX, min(x, _BOX // 2)] + 1e-12))
+
+    before, here, after = (log_power(fy + d * (axis == 0), fx + d * (axis == 1)) for d in (-1, 0, 1))
+    bend = before - 2 * here + after
+    return float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5)) if bend < 0 else 0.0
+
+
+def _alike(a: Courses, b: Courses, extent: int) -> bool:
+    """Whether two families cannot be told apart over a picture of this extent."""
+    turn = abs((a.angle - b.angle + np.pi / 2) % np.pi - np.pi / 2)
+    per_picture = extent / a.height
+    tilt = np.abs(a.tilt - b.tilt).max() * extent / 2
+    return bool(turn * per_picture < 0.3 and abs(per_picture - extent / b.height) < 0.6 and tilt < 0.08)

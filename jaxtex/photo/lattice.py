@@ -1,0 +1,61 @@
+"""A guess at a whole tiling, and the joints it predicts: what the search hands to the fit."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Lattice(NamedTuple):
+    """A guess at a whole tiling, in pixels of the map it was found in, relative to the map's centre.
+
+    ``tilt`` (2,): plane point p = x / (1 + tilt . x) for image point x. ``angle``: direction of the courses in the
+    plane, radians. ``shear``: head joints lean by this much along the courses per unit across, so that the lattice is
+    straight in (q_x - shear q_y, q_y). ``height``, ``width``: pitches. ``start`` (2,): the start of tile 0 of course 0
+    in those coordinates. ``offset``, ``course_offsets`` (C,), ``course_lengths`` (D, L) and ``bond`` as in the model.
+    ``joints`` (2,): thickness of the joints along and across. ``score``: how much of the map it explains, higher is
+    better (minus the Bayesian information criterion).
+    """
+
+    tilt: Array
+    angle: float
+    shear: float
+    height: float
+    width: float
+    start: Array
+    offset: float
+    course_offsets: Array
+    course_lengths: Array
+    bond: str
+    joints: tuple[float, float]
+    score: float
+
+    @property
+    def freedoms(self) -> int:
+        """How many numbers a fit of this kind of lattice is free to choose."""
+        return 8 + (len(self.course_offsets) - 1) + 2 * bool(np.any(self.tilt)) + bool(self.shear)
+
+
+def to_strips(lattice: Lattice, x: NDArray[np.floating], y: NDArray[np.floating]) -> tuple[Array, Array]:
+    """Lattice coordinates (q_x, q_y), lean removed, of map points given from the map's centre."""
+    depth = 1.0 + lattice.tilt[0] * x + lattice.tilt[1] * y
+    depth = np.where(depth > 0.1, depth, np.nan)
+    c, s = np.cos(lattice.angle), np.sin(lattice.angle)
+    along, across = (c * x + s * y) / depth, (c * y - s * x) / depth
+    return along - lattice.shear * across, across
+
+
+def joint_distances(lattice: Lattice, along: Array, across: Array) -> tuple[Array, Array]:
+    """Distance of lattice points to the nearest head joint's and the nearest bed joint's centre line."""
+    row = (across - lattice.start[1]) / lattice.height
+    course = np.floor(row)
+    index = course.astype(int)
+    lengths = lattice.course_lengths[index % len(lattice.course_lengths)]
+    ends = np.cumsum(lengths, axis=-1)
+    shift = lattice.offset * course + lattice.course_offsets[index % len(lattice.course_offsets)]
+    place = np.mod((along - lattice.start[0]) / lattice.width - shift, ends[..., -1])
+    to_ends = np.abs(place[..., None] - np.concatenate([np.zeros_like(ends[..., :1]), ends], axis=-1))
+    bed = np.abs(row - np.round(row)) * lattice.height
+    return to_ends.min(-1) * lattice.width, bed

@@ -1,0 +1,250 @@
+"""A course family -> guesses at the whole tiling: tile width, lean, bond.
+
+The counterpart of Lefebvre & Poulin 2000, section 2.2, which follows scanlines through the rotated mask. Here every
+course is averaged across its height into one scanline; the scanlines' common period gives the tile width whatever the
+bond, and the place of the joints in each course gives the bond.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jaxtex.photo.courses import Courses, Map
+from jaxtex.photo.lattice import Lattice, joint_distances
+from jaxtex.photo.strips import Strips, lay_strips
+
+_HARMONICS = 4
+_PHASES = 96
+_SHEARS = np.linspace(-0.5, 0.5, 21)
+_MARGIN = 0.22  # share of a course's height at either side that may belong to the bed joint
+_FEWEST_TILES = 1.3  # tiles along the longest scanline
+_WIDTHS = 4  # tile widths tried for each lean
+_TOLD_APART = 25  # pixels of a map that count as one independent measurement
+_JOINT_SHARES = (0.06, 0.12, 0.24)  # joint thickness tried, as a share of the course's height
+
+Array = NDArray[np.float64]
+
+
+class Scanlines(NamedTuple):
+    """One scanline per course: ``number`` (J,) of the course, ``length`` (J,) inside the picture, ``spectra``
+    (S, J, F) for every lean, ``size``: samples of the padded transform, ``columns``: samples of the scanline."""
+
+    number: NDArray[np.intp]
+    length: Array
+    spectra: NDArray[np.complex128]
+    size: int
+    columns: int
+
+
+class Bond(NamedTuple):
+    """How head joints of successive courses stand to each other; ``phase``: of course 0, in tile widths; ``fit``:
+    share of the scanlines' energy that it explains."""
+
+    name: str
+    phase: float
+    offset: float
+    course_offsets: Array
+    course_lengths: Array
+    fit: float
+
+
+def scan_courses(joints: Map, courses: Courses, *, most: int = 4) -> list[Lattice]:
+    """Guesses at the whole tiling for one course family in the map (H, W) it was found in, best first."""
+    strips = lay_strips(joints, courses)
+    scanlines = take_scanlines(strips)
+    if len(scanlines.number) < 2:
+        return []
+    guesses = []
+    for lean, width in find_widths(scanlines):
+        response = _respond(scanlines, lean, width, (1.0,))
+        guesses += [(bond, lean, width) for bond in guess_bonds(scanlines, lean, width, response)]
+    guesses.sort(key=lambda guess: -guess[0].fit)
+    # Irregular bonds always explain most; each kind is judged on the map before any is left out.
+    free = [guess for guess in guesses if guess[0].name == "irregular"][:most]
+    regular = [guess for guess in guesses if guess[0].name != "irregular"][: 2 * most]
+    lattices = [_judge(_to_lattice(guess, strips, courses), strips) for guess in regular + free]
+    lattices.sort(key=lambda lattice: -lattice.score)
+    return lattices[:most]
+
+
+def take_scanlines(strips: Strips) -> Scanlines:
+    """Average each course across its height, away from the bed joints, for every lean of the head joints."""
+    rows, columns = strips.values.shape
+    size = 2 * columns
+    at = (strips.corner[1] + strips.spacing * np.arange(rows) - strips.bed) / strips.height
+    course = np.floor(at).astype(int)
+    within = at - course
+    central = (within > _MARGIN) & (within < 1 - _MARGIN)
+    spectrum = np.fft.rfft(strips.values, n=size, axis=1)[:, : size // 4]
+    frequency = np.fft.rfftfreq(size)[: size // 4] / strips.spacing
+    lean = 2j * np.pi * frequency * ((within - 0.5) * strips.height)[:, None]
+    leaned, step = spectrum * np.exp(lean * _SHEARS[0]), np.exp(lean * (_SHEARS[1] - _SHEARS[0]))
+    numbers = [j for j in range(course.min(), course.max() + 1) if (central & (course == j)).any()]
+    members = np.stack([central & (course == j) for j in numbers]).astype(float)
+    share = members / members.sum(1, keepdims=True)
+    length = share @ strips.inside.sum(1) * strips.spacing
+    whole = members.sum(1) * strips.spacing > 0.5 * (1 - 2 * _MARGIN) * strips.height
+    keep = whole & (length > 0.15 * columns * strips.spacing)
+    spectra = np.empty((len(_SHEARS), int(keep.sum()), spectrum.shape[1]), complex)
+    for index in range(len(_SHEARS)):
+        spectra[index] = share[keep] @ leaned
+        leaned = leaned * step
+    return Scanlines(np.array(numbers)[keep], length[keep] / strips.spacing, spectra, size, columns)
+
+
+def find_widths(scanlines: Scanlines) -> list[tuple[int, float]]:
+    """Likely (index of lean, tile width in samples): peaks of the courses' summed spectra with their harmonics."""
+    power = (np.abs(scanlines.spectra) ** 2).sum(1)
+    lowest = max(int(np.ceil(_FEWEST_TILES * scanlines.size / scanlines.length.max())), 1)
+    highest = power.shape[1] // _HARMONICS * 2
+    if highest <= lowest + 2:
+        return []
+    bins = np.arange(lowest, highest)
+    padded = np.pad(power, ((0, 0), (0, _HARMONICS * highest)))
+    combs = np.sum([padded[:, k * bins] for k in range(1, _HARMONICS + 1)], axis=0)
+    upright = len(_SHEARS) // 2
+    best = int(np.argmax(combs.max(1)))
+    leans = [upright] if combs[best].max() < 1.05 * combs[upright].max() else [upright, best]
+    found = []
+    for lean in leans:
+        comb = combs[lean].copy()
+        for _ in range(_WIDTHS):
+            peak = int(np.argmax(comb))
+            if not np.isfinite(comb[peak]):
+                break
+            found.append((lean, scanlines.size / (bins[peak] + _vertex(combs[lean], peak))))
+            comb[max(peak - 2, 0) : peak + 3] = -np.inf
+    return found
+
+
+def guess_bonds(scanlines: Scanlines, lean: int, width: float, response: Array) -> list[Bond]:
+    """One guess per kind of bond: common offset, English, Flemish, and every course by itself."""
+    bonds = [_regular(scanlines, response, np.ones((1, 1))), _irregular(scanlines, response)]
+    if len(scanlines.number) >= 4 and width >= 12:
+        headers = _respond(scanlines, lean, width / 2, (1.0,))
+        bonds.append(_english(scanlines, response, headers))
+        # A Flemish course repeats after a stretcher and a header of half its length.
+        pair = _respond(scanlines, lean, width, (2 / 3, 1 / 3))
+        bonds.append(_regular(scanlines, pair, np.array([[1.0, 0.5]])))
+    return bonds
+
+
+def _respond(scanlines: Scanlines, lean: int, period: float, pattern: tuple[float, ...]) -> Array:
+    """(J, PHASES + 1): correlation of each scanline with unit-energy joints ``pattern`` apart at each phase of the
+    period; the last column holds the scanlines' energy."""
+    lines = np.fft.irfft(scanlines.spectra[lean], n=scanlines.size, axis=1)[:, : scanlines.columns]
+    k = np.arange(1, max(2, int(min(12, period / 3))) + 1)
+    # A mild low-pass: joints are not lines, and they jitter.
+    soft = np.exp(-2 * (np.pi * k * max(0.04, 1.0 / period)) ** 2)
+    shape = soft * np.exp(-2j * np.pi * k[:, None] * np.cumsum(pattern)).sum(1)
+    waves = np.exp(-2j * np.pi * np.outer(np.arange(scanlines.columns), k) / period)
+    phases = np.exp(2j * np.pi * np.outer(k, np.arange(_PHASES) / _PHASES))
+    correlation = ((lines @ waves) * shape.conj()) @ phases
+    norm = np.sqrt((np.abs(shape) ** 2).sum() / 2 * scanlines.length)
+    return np.concatenate([correlation.real / norm[:, None], (lines**2).sum(1, keepdims=True)], axis=1)
+
+
+def _explained(response: Array, total: float) -> float:
+    """Share of the scanlines' energy explained when all courses share one contrast."""
+    return max(total, 0.0) ** 2 / max(float(response[:, -1].sum()) * len(response), 1e-12)
+
+
+def _regular(scanlines: Scanlines, response: Array, lengths: Array) -> Bond:
+    shift = scanlines.number[:, None] * np.arange(_PHASES)
+    phase = (np.arange(_PHASES)[:, None, None] + shift) % _PHASES
+    totals = response[np.arange(len(response))[:, None], phase].sum(1)
+    first, offset = np.unravel_index(int(np.argmax(totals)), totals.shape)
+    period = float(lengths[0].sum())
+    name = "raking" if lengths.shape[1] == 1 else "flemish"
+    return Bond(
+        name,
+        float(first) / _PHASES * period,
+        float(offset) / _PHASES * period,
+        np.zeros(1),
+        lengths,
+        _explained(response, float(totals.max())),
+    )
+
+
+def _english(scanlines: Scanlines, stretchers: Array, headers: Array) -> Bond:
+    """Courses of stretchers and of headers in turn; rows of ``course_lengths`` say which is which."""
+    odd = scanlines.number % 2 == 1
+    guesses = []
+    for headers_odd in (True, False):
+        head = odd if headers_odd else ~odd
+        long, short = stretchers[~head, :-1].sum(0), headers[head, :-1].sum(0)
+        total = float(long.max() + short.max())
+        guesses.append((total, headers_odd, float(np.argmax(long)) / _PHASES, float(np.argmax(short)) / _PHASES / 2))
+    total, headers_odd, long_phase, short_phase = max(guesses)
+    offsets = np.array([0.0, (short_phase - long_phase) % 0.5])
+    lengths = np.array([[1.0, 1.0], [0.5, 0.5]])
+    if not headers_odd:
+        offsets, lengths = offsets[::-1], lengths[::-1]
+    return Bond("english", long_phase, 0.0, offsets, lengths, _explained(stretchers, total))
+
+
+def _irregular(scanlines: Scanlines, response: Array) -> Bond:
+    first, count = int(scanlines.number[0]), int(np.ptp(scanlines.number)) + 1
+    phases = np.zeros(count)
+    phases[scanlines.number - first] = np.argmax(response[:, :-1], axis=1) / _PHASES
+    # Entry j mod C belongs to course j.
+    offsets = np.roll((phases - phases[0]) % 1.0, first % count)
+    total = float(response[:, :-1].max(1).sum())
+    return Bond("irregular", float(phases[0]), 0.0, offsets, np.ones((1, 1)), _explained(response, total))
+
+
+def _to_lattice(guess: tuple[Bond, int, float], strips: Strips, courses: Courses) -> Lattice:
+    bond, lean, samples = guess
+    shear = float(_SHEARS[lean])
+    # A Flemish period holds one and a half stretchers.
+    width = samples * strips.spacing / float(bond.course_lengths[0].sum() if bond.name == "flemish" else 1.0)
+    # Scanlines were leaned about each course's middle; the lattice leans as a whole.
+    start_x = bond.phase * width + strips.corner[0] - shear * (strips.bed + strips.height / 2)
+    return Lattice(
+        tilt=courses.tilt,
+        angle=courses.angle,
+        shear=shear,
+        height=strips.height,
+        width=width,
+        start=np.array([start_x, strips.bed]),
+        offset=bond.offset - shear * strips.height / width,
+        course_offsets=bond.course_offsets,
+        course_lengths=bond.course_lengths,
+        bond=bond.name,
+        joints=(0.1 * strips.height,) * 2,
+        score=-np.inf,
+    )
+
+
+def _judge(lattice: Lattice, strips: Strips) -> Lattice:
+    """Score a guess on the whole map, beds and heads together, with the best of a few joint thicknesses."""
+    rows, columns = strips.values.shape
+    across = strips.corner[1] + strips.spacing * np.arange(rows)[:, None]
+    along = strips.corner[0] + strips.spacing * np.arange(columns)[None, :] - lattice.shear * across
+    head, bed = joint_distances(lattice, along, np.broadcast_to(across, along.shape))
+    values, inside = strips.values, strips.inside
+    total = max(float((values**2).sum()), 1e-12)
+    count = max(float(inside.sum()), 1.0)
+    scored = []
+    for share in _JOINT_SHARES:
+        thickness = max(share * lattice.height, 2 * strips.spacing)
+        reach = 0.72 * thickness  # the Gaussian of this width has the joint's area
+        model = 1 - (1 - np.exp(-((head / reach) ** 2))) * (1 - np.exp(-((bed / reach) ** 2)))
+        model = (model - (model * inside).sum() / count) * inside
+        agreement = float((model * values).sum())
+        explained = max(agreement, 0.0) ** 2 / (total * max(float((model**2).sum()), 1e-12))
+        scored.append((explained, thickness))
+    explained, thickness = max(scored)
+    independent = count * strips.spacing**2 / _TOLD_APART
+    score = -independent * np.log(max(1 - explained, 1e-6)) - lattice.freedoms * np.log(independent)
+    return lattice._replace(score=float(score / independent), joints=(thickness, thickness))
+
+
+def _vertex(values: Array, at: int) -> float:
+    """Offset, within half a sample, of the top of the parabola through three neighbouring samples."""
+    if not 0 < at < len(values) - 1:
+        return 0.0
+    before, here, after = values[at - 1 : at + 2]
+    bend = before - 2 * here + after
+    return float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5)) if bend < 0 else 0.0
