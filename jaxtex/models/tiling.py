@@ -11,10 +11,13 @@ Joints are centred on the lattice lines. Everything is a pure function of one po
 from typing import NamedTuple
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
-from jax import Array
+import numpy as np
+import numpy.typing as npt
+from jax import Array, lax
 from jax.typing import ArrayLike
+
+from jaxtex.models.soft import corner_defect, soft_step
 
 BONDS = ("stack", "running", "raking", "english", "flemish", "irregular")
 
@@ -28,6 +31,23 @@ class TilePlace(NamedTuple):
     right: Array
     top: Array
     bottom: Array
+
+
+class _Spot(NamedTuple):
+    """How far inside the tiles of one course a Gaussian spot lies, in its own standard deviations.
+
+    ``this`` and ``next`` are the two tiles at the nearest head joint, ``top`` and ``bottom`` the course's two edges.
+    """
+
+    this: Array
+    next: Array
+    top: Array
+    bottom: Array
+    per_length: Array
+
+    def covered(self) -> Array:
+        """How much of the spot is tile of this course, the tiles' corners being square."""
+        return (soft_step(self.this) + soft_step(self.next)) * (soft_step(self.top) + soft_step(self.bottom) - 1.0)
 
 
 class Tiling(eqx.Module):
@@ -84,8 +104,7 @@ class Tiling(eqx.Module):
 
     def to_plane(self, point: Array) -> Array:
         """Image point (2,) to plane point (2,) by the homography."""
-        h = self.homography
-        return (h[:2, :2] @ point + h[:2, 2]) / (h[2, :2] @ point + h[2, 2])
+        return _project(self.homography, point)
 
     def to_lattice(self, point: Array) -> Array:
         """Image point (2,) to lattice coordinates q (2,), in plane pixels along and across the courses."""
@@ -97,8 +116,7 @@ class Tiling(eqx.Module):
         """Lattice coordinates (2,) back to the image point (2,): the inverse of :meth:`to_lattice`."""
         c, s = jnp.cos(self.angle), jnp.sin(self.angle)
         p = self.origin + jnp.stack([c * q[0] - s * q[1], s * q[0] + c * q[1]])
-        h = jnp.linalg.inv(self.homography)
-        return (h[:2, :2] @ p + h[:2, 2]) / (h[2, :2] @ p + h[2, 2])
+        return _project(jnp.linalg.inv(self.homography), p)
 
     def locate(self, q: Array) -> TilePlace:
         """The tile that holds the lattice point ``q`` (2,)."""
@@ -108,21 +126,52 @@ class Tiling(eqx.Module):
     def coverage(self, point: Array, *, blur: ArrayLike) -> Array:
         """How much of a Gaussian spot of standard deviation ``blur`` image pixels around ``point`` (2,) is tile.
 
-        1 inside tiles, 0 inside joints wider than the spot; smooth and differentiable in every parameter. Away from
-        rounded corners it is the exact convolution of the binary mask with the Gaussian, so a mask blurred by the same
-        amount can be compared with it at every scale without bias. ``blur`` must be > 0 and well below a tile's size.
+        1 inside tiles, 0 inside joints wider than the spot; smooth and differentiable in every parameter. For square
+        corners and one scale all over the spot it is the exact convolution of the binary mask with the Gaussian, so a
+        mask blurred by the same amount can be compared with it at every scale without bias; at rounded corners it is
+        within 0.02. ``blur`` must be > 0; the spot is taken to reach one bed and two head joints at a time, so keep
+        it below a quarter of a tile's shorter side.
         """
+        own, beside = self._spots(point, blur)
+        square = own.covered() + beside.covered()
+        # One answer for all points: under vmap it stays a branch, and square corners cost nothing.
+        return square - lax.cond(
+            self.corner_radius > 0, lambda: self._lost_at_corners(point, blur), lambda: jnp.zeros_like(square)
+        )
+
+    def _lost_at_corners(self, point: Array, blur: ArrayLike) -> Array:
+        def lost_by(spot: _Spot) -> Array:
+            inside, radius = jnp.minimum(spot.top, spot.bottom), self.corner_radius * spot.per_length
+            return corner_defect(spot.this, inside, radius) + corner_defect(spot.next, inside, radius)
+
+        own, beside = self._spots(point, blur)
+        return lost_by(own) + lost_by(beside)
+
+    def _spots(self, point: Array, blur: ArrayLike) -> tuple["_Spot", "_Spot"]:
+        """A Gaussian spot as seen from the course it is in, and from the course beyond the nearest bed joint."""
         q = self.to_lattice(point)
         blur_x, blur_y = self._blur_in_lattice(point, blur)
-        course = jnp.floor(q[1] / self.tile_height)
-        # The nearest other course shares the bed joint with this one: a spot on the joint sees both.
-        beside = course + jnp.where(q[1] - course * self.tile_height < 0.5 * self.tile_height, -1.0, 1.0)
-        return self._course_coverage(q, course, blur_x, blur_y) + self._course_coverage(q, beside, blur_x, blur_y)
+        own = jnp.floor(q[1] / self.tile_height)
+        beside = own + jnp.where(q[1] - own * self.tile_height < 0.5 * self.tile_height, -1.0, 1.0)
+
+        def seen_from(course: Array) -> _Spot:
+            place = self._place_in_course(q, course)
+            to_head = jnp.minimum(place.left, place.right)
+            return _Spot(
+                this=(to_head - 0.5 * self.mortar_x) / blur_x,
+                next=(-to_head - 0.5 * self.mortar_x) / blur_x,
+                top=(place.top - 0.5 * self.mortar_y) / blur_y,
+                bottom=(place.bottom - 0.5 * self.mortar_y) / blur_y,
+                per_length=1.0 / jnp.sqrt(blur_x * blur_y),
+            )
+
+        return seen_from(own), seen_from(beside)
 
     def _place_in_course(self, q: Array, course: Array) -> TilePlace:
         index = course.astype(int)
-        shift = self.offset * course + self.course_offsets[index % self.course_offsets.shape[0]]
-        lengths = self.course_lengths[index % self.course_lengths.shape[0]]
+        offsets, rows = jnp.asarray(self.course_offsets), jnp.asarray(self.course_lengths)
+        shift = self.offset * course + offsets[index % offsets.shape[0]]
+        lengths = rows[index % rows.shape[0]]
         ends = jnp.cumsum(lengths)
         along = q[0] / self.tile_width - shift
         repeat = jnp.floor(along / ends[-1])
@@ -138,40 +187,26 @@ class Tiling(eqx.Module):
             bottom=(course + 1) * self.tile_height - q[1],
         )
 
-    def _course_coverage(self, q: Array, course: Array, blur_x: Array, blur_y: Array) -> Array:
-        place = self._place_in_course(q, course)
-        to_head = jnp.minimum(place.left, place.right)
-        head = _step((to_head + 0.5 * self.mortar_x) / blur_x) - _step((to_head - 0.5 * self.mortar_x) / blur_x)
-        inside_top = place.top - 0.5 * self.mortar_y
-        inside_bottom = place.bottom - 0.5 * self.mortar_y
-        across = _step(inside_top / blur_y) + _step(inside_bottom / blur_y) - 1.0
-        inside_x = jnp.maximum(to_head - 0.5 * self.mortar_x, 0.0)
-        inside_y = jnp.maximum(jnp.minimum(inside_top, inside_bottom), 0.0)
-        return across * (1.0 - head) * self._corner_factor(inside_x, inside_y, jnp.sqrt(blur_x * blur_y))
-
-    def _corner_factor(self, inside_x: Array, inside_y: Array, blur: Array) -> Array:
-        """What rounding leaves of the square corner; 1 outside corners, and everywhere for radius 0."""
-        x = jnp.maximum(self.corner_radius - inside_x, 0.0)
-        y = jnp.maximum(self.corner_radius - inside_y, 0.0)
-        square = x * x + y * y
-        # sqrt has no finite gradient at 0: the inner where keeps the unused branch away from it.
-        distance = jnp.where(square > 0, jnp.sqrt(jnp.where(square > 0, square, 1.0)), 0.0)
-        straight = _step((self.corner_radius - jnp.maximum(x, y)) / blur)
-        return _step((self.corner_radius - distance) / blur) / straight
-
     def _blur_in_lattice(self, point: Array, blur: ArrayLike) -> tuple[Array, Array]:
         """Standard deviations of an image-space Gaussian along q_x and q_y (the homography stretches it)."""
-        h = self.homography
-        depth = h[2, :2] @ point + h[2, 2]
-        jacobian = (h[:2, :2] - jnp.outer(self.to_plane(point), h[2, :2])) / depth
+        h, p = self.homography, self.to_plane(point)
         c, s = jnp.cos(self.angle), jnp.sin(self.angle)
-        along, across = jnp.stack([c, s]) @ jacobian, jnp.stack([-s, c]) @ jacobian
-        return blur * jnp.sqrt(along @ along), blur * jnp.sqrt(across @ across)
+        depth = h[2, 0] * point[0] + h[2, 1] * point[1] + h[2, 2]
+        # The image gradients of p_x and p_y, times the depth.
+        x_dx, x_dy = h[0, 0] - p[0] * h[2, 0], h[0, 1] - p[0] * h[2, 1]
+        y_dx, y_dy = h[1, 0] - p[1] * h[2, 0], h[1, 1] - p[1] * h[2, 1]
+        along = jnp.sqrt((c * x_dx + s * y_dx) ** 2 + (c * x_dy + s * y_dy) ** 2)
+        across = jnp.sqrt((c * y_dx - s * x_dx) ** 2 + (c * y_dy - s * x_dy) ** 2)
+        scale = jnp.asarray(blur) / jnp.abs(depth)
+        return scale * along, scale * across
 
 
-def _step(x: Array) -> Array:
-    """The unit step blurred by a unit Gaussian."""
-    return 0.5 * (1.0 + jax.scipy.special.erf(x * 0.7071067811865476))
+def _project(h: Array, point: Array) -> Array:
+    # Written out: as matrix products these would run in reduced precision on some accelerators, and would keep the
+    # compiler from fusing a grid of points into one loop.
+    x, y = point[0], point[1]
+    depth = h[2, 0] * x + h[2, 1] * y + h[2, 2]
+    return jnp.stack([h[0, 0] * x + h[0, 1] * y + h[0, 2], h[1, 0] * x + h[1, 1] * y + h[1, 2]]) / depth
 
 
 def make_tiling(
@@ -182,11 +217,11 @@ def make_tiling(
     mortar_x: ArrayLike = 0.0,
     mortar_y: ArrayLike = 0.0,
     offset: ArrayLike = 0.0,
-    origin: ArrayLike = (0.0, 0.0),
-    homography: ArrayLike | None = None,
+    origin: npt.ArrayLike = (0.0, 0.0),
+    homography: npt.ArrayLike | None = None,
     corner_radius: ArrayLike = 0.0,
-    course_offsets: ArrayLike = (0.0,),
-    course_lengths: ArrayLike = ((1.0,),),
+    course_offsets: npt.ArrayLike = (0.0,),
+    course_lengths: npt.ArrayLike = ((1.0,),),
     bond: str | None = None,
 ) -> Tiling:
     """Make a :class:`Tiling` from plain numbers, checking them. ``angle`` in radians.
@@ -196,7 +231,8 @@ def make_tiling(
     Raises
     ------
     ValueError
-        For sizes that are not positive, negative joints, joints that leave no tile, wrong shapes, an unknown bond.
+        For sizes that are not positive, negative joints, joints that leave no tile, corners rounder than the tiles, a
+        singular homography, wrong shapes, numbers that are not finite, an unknown bond.
 
     Examples
     --------
@@ -218,6 +254,7 @@ def make_tiling(
     }
     leaves = {name: _as_leaf(name, value, shape) for name, (value, shape) in arrays.items()}
     _check_sizes(leaves)
+    _check_homography(leaves["homography"])
     if bond is None:
         bond = _name_bond(leaves)
     if bond not in BONDS:
@@ -225,7 +262,7 @@ def make_tiling(
     return Tiling(**leaves, bond=bond)
 
 
-def _as_leaf(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
+def _as_leaf(name: str, value: npt.ArrayLike, shape: tuple[int | None, ...]) -> Array:
     array = jnp.asarray(value)
     if not jnp.issubdtype(array.dtype, jnp.floating):
         array = array.astype(jnp.result_type(float))
@@ -246,9 +283,22 @@ def _check_sizes(leaves: dict[str, Array]) -> None:
         if float(leaves[name]) < 0:
             raise ValueError(f"{name} must be >= 0, not {float(leaves[name]):g}")
     shortest = float(leaves["tile_width"] * leaves["course_lengths"].min())
-    for mortar, pitch, of in (("mortar_x", shortest, "shortest tile"), ("mortar_y", float(leaves["tile_height"]), "course")):
-        if float(leaves[mortar]) >= pitch:
-            raise ValueError(f"{mortar} = {float(leaves[mortar]):g} leaves nothing of a {of} of {pitch:g}; make it smaller")
+    height = float(leaves["tile_height"])
+    sides = []
+    for name, pitch, of in (("mortar_x", shortest, "shortest tile"), ("mortar_y", height, "course")):
+        mortar = float(leaves[name])
+        if mortar >= pitch:
+            raise ValueError(f"{name} = {mortar:g} leaves nothing of a {of} of {pitch:g}; make it smaller")
+        sides.append(pitch - mortar)
+    radius = float(leaves["corner_radius"])
+    if radius > 0.5 * min(sides) * (1.0 + 1e-6):
+        raise ValueError(f"corner_radius = {radius:g} is more than half a tile's shorter side, {min(sides):g}")
+
+
+def _check_homography(homography: Array) -> None:
+    h = np.asarray(homography, dtype=np.float64)
+    if abs(np.linalg.det(h)) <= 1e-12 * np.prod(np.linalg.norm(h, axis=1)):
+        raise ValueError("homography is singular: it maps the picture onto a line, so no tiling can be seen in it")
 
 
 def _name_bond(leaves: dict[str, Array]) -> str:

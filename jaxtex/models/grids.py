@@ -1,0 +1,78 @@
+"""Point functions evaluated on the pixel centres of a picture, in bounded memory."""
+
+from collections.abc import Callable
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+from jaxtex.models.tiling import Tiling
+
+# Pixels evaluated at a time: what they need stays in the processor's cache, and is the same for every picture.
+_BLOCK = 1 << 18
+
+
+def on_grid(function: Callable[[Array], Any], height: int, width: int) -> Any:
+    """Evaluate a function of one image point at all pixel centres (c + 0.5, r + 0.5).
+
+    Parameters
+    ----------
+    function : callable
+        From a point (2,), x right and y down, to an array or a pytree of arrays. Give numbers that change from call
+        to call as array leaves (a module's bound method, or ``eqx.Partial``): it compiles once per shape then. A
+        plain function compiles once per function.
+    height, width : int
+        The picture's size in pixels.
+
+    Returns
+    -------
+    The function's value with two leading axes [height, width]; points have the precision of the function's leaves.
+
+    Examples
+    --------
+    >>> on_grid(lambda point: point[0] + 10 * point[1], 2, 3).tolist()
+    [[5.5, 6.5, 7.5], [15.5, 16.5, 17.5]]
+    """
+    if min(height, width) < 1:
+        raise ValueError(f"a picture of {width} x {height} pixels has no points; both must be at least 1")
+    as_arrays = jax.tree.map(lambda leaf: jnp.asarray(leaf) if eqx.is_array_like(leaf) else leaf, function)
+    return _evaluate(as_arrays, height, width)
+
+
+@eqx.filter_jit
+def _evaluate(function: Callable[[Array], Any], height: int, width: int) -> Any:
+    leaves = jax.tree.leaves(eqx.filter(function, eqx.is_inexact_array))
+    dtype = jnp.result_type(*leaves) if leaves else jnp.result_type(float)
+    x, y = jnp.arange(width, dtype=dtype) + 0.5, jnp.arange(height, dtype=dtype) + 0.5
+
+    def evaluate_row(at: Array) -> Any:
+        return jax.vmap(lambda across: function(jnp.stack([across, at])))(x)
+
+    return jax.lax.map(evaluate_row, y, batch_size=max(1, _BLOCK // width))
+
+
+def coverage_grid(tiling: Tiling, height: int, width: int, *, blur: ArrayLike = 0.5) -> Array:
+    """The soft mask of a tiling: :meth:`Tiling.coverage` at every pixel, 1 = tile, 0 = joint.
+
+    Parameters
+    ----------
+    height, width : int
+        The picture's size in pixels.
+    blur : ()
+        Standard deviation of the anti-aliasing Gaussian in pixels, > 0.
+
+    Returns
+    -------
+    [height, width] in the precision of the tiling's leaves; differentiable in every one of them.
+
+    Examples
+    --------
+    >>> from jaxtex.models.tiling import make_tiling
+    >>> mask = coverage_grid(make_tiling(tile_width=8, tile_height=4, mortar_x=2, mortar_y=2), 64, 64)
+    >>> mask.shape, round(float(mask.mean()), 2)  # (6 * 2) / (8 * 4)
+    ((64, 64), 0.38)
+    """
+    return on_grid(eqx.Partial(Tiling.coverage, tiling, blur=blur), height, width)
