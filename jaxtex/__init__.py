@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from jaxtex.core.errors import InputError as InputError
     from jaxtex.io.images import Image as Image
     from jaxtex.io.images import read_image as read_image
-    from jaxtex.io.images import read_mask as read_mask
     from jaxtex.io.images import write_image as write_image
-    from jaxtex.io.images import write_mask as write_mask
+    from jaxtex.io.masks import read_mask as read_mask
+    from jaxtex.io.masks import write_mask as write_mask
 
 __version__ = "0.1.0"
 
@@ -32,9 +32,9 @@ _PUBLIC = {
     "InputError": "jaxtex.core.errors",
     "Image": "jaxtex.io.images",
     "read_image": "jaxtex.io.images",
-    "read_mask": "jaxtex.io.images",
+    "read_mask": "jaxtex.io.masks",
     "write_image": "jaxtex.io.images",
-    "write_mask": "jaxtex.io.images",
+    "write_mask": "jaxtex.io.masks",
 }
 
 __all__ = ["__version__", *_PUBLIC]

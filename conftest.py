@@ -1,0 +1,23 @@
+"""What holds for all tests and for the examples in docstrings."""
+
+import os
+from pathlib import Path
+
+import hypothesis
+import pytest
+
+# For this process and for those that tests start; JAX reads them when it is first imported.
+_CACHE = Path(__file__).parent / ".cache" / "xla"
+os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(_CACHE))
+os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.1")
+os.environ.setdefault("JAX_NUMPY_RANK_PROMOTION", "raise")  # broadcasting over axes is written out, never happens
+
+# The same examples in every run, however slow the machine.
+hypothesis.settings.register_profile("jaxtex", derandomize=True, deadline=None, database=None, max_examples=30)
+hypothesis.settings.load_profile("jaxtex")
+
+
+@pytest.fixture(autouse=True)
+def _examples_write_to_a_folder_of_their_own(request: pytest.FixtureRequest) -> None:
+    if isinstance(request.node, pytest.DoctestItem):
+        request.getfixturevalue("monkeypatch").chdir(request.getfixturevalue("tmp_path"))

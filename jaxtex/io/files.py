@@ -1,0 +1,101 @@
+"""Files appear whole or not at all, and folders are checked before work starts."""
+
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from jaxtex.core.errors import InputError
+
+
+@contextmanager
+def replacing(path: Path | str) -> Iterator[Path]:
+    """A temporary name beside `path` to write to; it takes the place of `path` when the block ends without error.
+
+    Whatever stood at `path` stays until then, and stays for good if the block fails or is interrupted. The temporary
+    name has the same extension, since writers choose their format by it.
+
+    Args:
+        path: the file to make or replace; its folder must exist.
+
+    Raises:
+        InputError: the folder does not exist, or `path` is itself a folder.
+
+    Examples:
+        >>> with replacing("notes.txt") as temporary:
+        ...     _ = temporary.write_text("oak, pine")
+    """
+    path = Path(path)
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; name a file to write")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: cannot be written, as there is no folder {path.parent}; make it first")
+    temporary = path.with_name(f".{path.stem[:100]}.{secrets.token_hex(4)}{path.suffix}")
+    try:
+        yield temporary
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def atomic_write_bytes(path: Path | str, data: bytes) -> None:
+    """Write `data` to the file `path`, whole or not at all.
+
+    Raises:
+        InputError: as `replacing`.
+        OSError: the file cannot be written (no permission, no space).
+    """
+    with replacing(path) as temporary:
+        temporary.write_bytes(data)
+
+
+def atomic_write_text(path: Path | str, text: str) -> None:
+    """Write `text` to the file `path` in UTF-8 with its line ends as they are, whole or not at all.
+
+    Raises:
+        InputError: as `replacing`.
+        OSError: the file cannot be written (no permission, no space).
+    """
+    atomic_write_bytes(path, text.encode("utf-8"))
+
+
+def prepare_folder(folder: Path | str) -> Path:
+    """Make `folder` and the folders above it where they do not exist, before any work whose results go there.
+
+    Returns:
+        The folder as a `Path`.
+
+    Raises:
+        InputError: something else has that name, or the folder cannot be made or written to.
+    """
+    folder = Path(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise InputError(f"{folder}: is (or stands below) a file; name a folder for the results") from None
+    except OSError as error:
+        raise InputError(f"{folder}: this folder cannot be made ({error.strerror})") from None
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise InputError(f"{folder}: nothing can be written to this folder (permission denied)")
+    return folder
+
+
+def existing_file(path: Path | str) -> Path:
+    """`path` as a `Path`, once it is known to be a file that can be read and holds something.
+
+    Raises:
+        InputError: there is no such file, it is a folder, it is empty, or it may not be read.
+    """
+    path = Path(path)
+    try:
+        if path.is_dir():
+            raise InputError(f"{path}: is a folder; name a file")
+        if not path.exists():
+            raise InputError(f"{path}: there is no such file")
+        if path.is_file() and path.stat().st_size == 0:
+            raise InputError(f"{path}: is empty (0 bytes)")
+        with path.open("rb"):
+            return path
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
