@@ -18,6 +18,7 @@ from typing import NamedTuple, Protocol
 
 import jaxtex
 from jaxtex.cli import usage
+from jaxtex.core.errors import InputError
 
 
 class Options(Protocol):
@@ -61,7 +62,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         status = _dispatch(words)
         sys.stdout.flush()
         return status
-    except usage.UsageError as error:
+    except (usage.UsageError, InputError) as error:
         return _complain(error)
     except KeyboardInterrupt:
         print("jaxtex: interrupted", file=sys.stderr)

@@ -80,7 +80,7 @@ def _convert(values: np.ndarray, colour_space: str) -> np.ndarray:
     """Other primaries and curves, by OpenImageIO's built-in colour configuration."""
     rows = np.broadcast_to(values, (*values.shape[:-1], 3)).reshape(1, -1, 3)
     picture = oiio.ImageBuf(np.ascontiguousarray(rows, np.float32))
-    converted = oiio.ImageBufAlgo.colorconvert(picture, colour_space, "lin_rec709_scene")
+    converted = oiio.ImageBufAlgo.colorconvert(picture, colour_space, "lin_rec709_scene", colorconfig="ocio://default")
     pixels = None if converted.has_error else converted.get_pixels(oiio.FLOAT)
     if pixels is None:
         converted.geterror()  # an error that nobody asks for is printed when the buffer goes

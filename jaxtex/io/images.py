@@ -218,7 +218,8 @@ def _check_finite(pixels: np.ndarray) -> None:
     bad = ~np.isfinite(pixels)
     if bad.any():
         at = np.argwhere(bad.reshape(*bad.shape[:2], -1).any(-1))
-        raise InputError(f"{len(at)} pixels are NaN or infinite, the first at row {at[0, 0]}, column {at[0, 1]}")
+        first = f"the first at row {at[0, 0]}, column {at[0, 1]}"
+        raise InputError(f"is NaN or infinite in {len(at)} of {bad.shape[0] * bad.shape[1]} pixels, {first}")
 
 
 def _checked_bits(suffix: str, bits: Bits | None, space: ColourSpace, *, has_alpha: bool) -> Bits:
