@@ -39,7 +39,7 @@ def perspective_homography(centre: ArrayLike, tilt: ArrayLike, shear: ArrayLike,
     jacobian = jnp.eye(2, dtype=d.dtype) + shear * jnp.outer(d, n)
     at_corner = 1.0 - jnp.sum(tilt * centre)
     linear = jacobian + jnp.outer(centre, tilt)
-    constant = centre * at_corner - jnp.sum(jacobian * centre, axis=1)
+    constant = centre * at_corner - _times(jacobian, centre)
     rows = jnp.concatenate([linear, constant[:, None]], axis=1)
     return jnp.concatenate([rows, jnp.append(tilt, at_corner)[None]]) / at_corner
 
@@ -53,9 +53,9 @@ def split_homography(homography: ArrayLike, centre: ArrayLike, angle: ArrayLike)
     h, centre = jnp.asarray(homography), jnp.asarray(centre)
     d, n = _directions(angle)
     depth = jnp.sum(h[2, :2] * centre) + h[2, 2]
-    plane = (jnp.sum(h[:2, :2] * centre, axis=1) + h[:2, 2]) / depth
+    plane = (_times(h[:2, :2], centre) + h[:2, 2]) / depth
     jacobian = (h[:2, :2] - jnp.outer(plane, h[2, :2])) / depth
-    along, across = jnp.sum(jacobian * d, axis=1), jnp.sum(jacobian * n, axis=1)
+    along, across = _times(jacobian, d), _times(jacobian, n)
     return h[2, :2] / depth, jnp.sum(along * across) / jnp.sum(along * along)
 
 
@@ -109,3 +109,8 @@ def normalise_view(tiling: Tiling, centre: ArrayLike) -> Tiling:
 def _directions(angle: ArrayLike) -> tuple[Array, Array]:
     c, s = jnp.cos(angle), jnp.sin(angle)
     return jnp.stack([c, s]), jnp.stack([-s, c])
+
+
+def _times(matrix: Array, vector: Array) -> Array:
+    """Their product, in full precision also on accelerators that round the factors of matrix products."""
+    return jnp.sum(matrix * vector[None, :], axis=1)

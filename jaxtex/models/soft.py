@@ -38,8 +38,10 @@ def corner_defect(x: Array, y: Array, radius: Array) -> Array:
 
     Parameters
     ----------
-    x, y, radius : ()
-        In standard deviations of the spot. Radius 0 gives 0, with gradient 0.
+    x, y : (...)
+        Place of the spot, in its standard deviations.
+    radius : ()
+        Likewise. Radius 0 gives 0, with gradient 0.
     """
     arc = jnp.maximum(_second_moment(radius - x) + _second_moment(radius - y) - 1.0, 0.01)
     lost_at_arc = soft_step(x) * soft_step(y) - soft_step(radius - jnp.sqrt(arc))
