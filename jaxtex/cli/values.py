@@ -1,0 +1,69 @@
+"""Words on the command line that stand for more than one number: points, sizes, colours."""
+
+import re
+
+from jaxtex.core.errors import InputError
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
+
+
+def parse_point(option: str, word: str) -> tuple[float, float]:
+    """Read "x,y" in pixels.
+
+    Args:
+        option: the option's name, for the complaint.
+        word: what the user typed.
+
+    Raises:
+        InputError: it is not two numbers with a comma between.
+
+    Examples:
+        >>> parse_point("--at", "12.5,40")
+        (12.5, 40.0)
+    """
+    match = re.fullmatch(rf"\s*({_NUMBER})\s*,\s*({_NUMBER})\s*", word)
+    if not match:
+        raise InputError(f"{option}: '{word}' is no point; write x,y in pixels, as in 120,64.5")
+    return float(match[1]), float(match[2])
+
+
+def parse_size(option: str, word: str) -> tuple[int, int]:
+    """Read "WxH" in pixels as (width, height).
+
+    Args:
+        option: the option's name, for the complaint.
+        word: what the user typed.
+
+    Raises:
+        InputError: it is not two whole numbers of 1 or more with an x between.
+
+    Examples:
+        >>> parse_size("--size", "1024x768")
+        (1024, 768)
+    """
+    match = re.fullmatch(r"\s*0*([1-9]\d{0,8})\s*[x×]\s*0*([1-9]\d{0,8})\s*", word, re.IGNORECASE)
+    if not match:
+        raise InputError(f"{option}: '{word}' is no size; write WIDTHxHEIGHT in pixels, as in 1024x768")
+    return int(match[1]), int(match[2])
+
+
+def parse_colour(option: str, word: str) -> tuple[float, float, float]:
+    """Read "#rrggbb" (or "#rgb"), as colour pickers show it, as sRGB values from 0 to 1, still encoded.
+
+    Args:
+        option: the option's name, for the complaint.
+        word: what the user typed; the # may be left out, since shells want it quoted.
+
+    Raises:
+        InputError: it is no such colour.
+
+    Examples:
+        >>> parse_colour("--colour", "#ff0033")
+        (1.0, 0.0, 0.2)
+    """
+    match = re.fullmatch(r"\s*#?([0-9a-f]{6}|[0-9a-f]{3})\s*", word, re.IGNORECASE)
+    if not match:
+        raise InputError(f"{option}: '{word}' is no colour; write it as colour pickers do, '#b5502f'")
+    digits = match[1] if len(match[1]) == 6 else "".join(digit * 2 for digit in match[1])
+    red, green, blue = (int(digits[k : k + 2], 16) / 255 for k in (0, 2, 4))
+    return red, green, blue
