@@ -40,8 +40,10 @@ def perspective_homography(centre: ArrayLike, tilt: ArrayLike, shear: ArrayLike,
     at_corner = 1.0 - jnp.sum(tilt * centre)
     linear = jacobian + jnp.outer(centre, tilt)
     constant = centre * at_corner - _times(jacobian, centre)
-    rows = jnp.concatenate([linear, constant[:, None]], axis=1)
-    return jnp.concatenate([rows, jnp.append(tilt, at_corner)[None]]) / at_corner
+    upper = jnp.concatenate([linear, constant[:, None]], axis=1) / at_corner
+    # The corner is written as 1: compiled, a number divided by itself need not be.
+    lower = jnp.append(tilt / at_corner, jnp.ones_like(at_corner))
+    return jnp.concatenate([upper, lower[None]])
 
 
 def split_homography(homography: ArrayLike, centre: ArrayLike, angle: ArrayLike) -> tuple[Array, Array]:
