@@ -1,7 +1,8 @@
 """Images, read to linear light and written from it, through OpenImageIO."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -11,7 +12,7 @@ import numpy as np
 from jaxtex.core.colour import linear_to_srgb
 from jaxtex.core.errors import InputError
 from jaxtex.io.encoding import colour_space_of, to_linear
-from jaxtex.io.raster import Raster, read_raster, write_raster
+from jaxtex.io.raster import Raster, read_raster, writing_raster
 
 ColourSpace = Literal["srgb", "linear", "data"]
 Bits = Literal[8, 16, "half", "float"]
@@ -131,15 +132,55 @@ def write_image(
         >>> write_image("height.exr", np.zeros((4, 4)), colour_space="data")
         >>> write_image("wall.jpg", np.full((4, 4, 3), 0.5))
     """
-    path = Path(path)
     try:
         values = _checked_pixels(np.asarray(pixels))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    rows, columns, channels = values.shape
+    with writing_image(
+        path, size=(columns, rows), channels=channels, colour_space=colour_space, bits=bits, metadata=metadata
+    ) as write_rows:
+        write_rows(values)
+
+
+@contextmanager
+def writing_image(
+    path: Path | str,
+    *,
+    size: tuple[int, int],
+    channels: int,
+    colour_space: ColourSpace | None = None,
+    bits: Bits | None = None,
+    metadata: Mapping[str, str | int | float] | None = None,
+) -> Iterator[Callable[[np.ndarray], None]]:
+    """A function to hand an image file's rows to, some at a time from the top, for pictures too large to hold.
+
+    The file is there, whole, when the block ends, and only if it ends without error.
+
+    Args:
+        path: the file; its extension tells the format.
+        size: (width, height) in pixels.
+        channels: 1 (grey) to 4 (RGB and alpha), as in `write_image`.
+        colour_space, bits, metadata: as in `write_image`.
+
+    Yields:
+        A function that takes the next rows as `write_image` takes pixels.
+
+    Raises:
+        InputError: as `write_image`.
+
+    Examples:
+        >>> with writing_image("slope.png", size=(4, 6), channels=1, colour_space="data") as write_rows:
+        ...     for row in range(6):
+        ...         write_rows(np.full((1, 4), row / 6))
+    """
+    path = Path(path)
+    try:
         suffix = path.suffix.lower()
         if suffix not in _BITS:
             raise InputError(f"cannot be written as '{path.suffix}'; name it {', '.join(_BITS)}")
         space: ColourSpace = colour_space or ("linear" if suffix == ".exr" else "srgb")
-        depth = _checked_bits(suffix, bits, space, has_alpha=values.shape[-1] in (2, 4))
-        numbers = _encode(values, space, depth, premultiply=suffix == ".exr")
+        depth = _checked_bits(suffix, bits, space, has_alpha=channels in (2, 4))
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     attributes = {
@@ -149,7 +190,16 @@ def write_image(
         "oiio:UnassociatedAlpha": int(suffix != ".exr"),
         "compression": "jpeg:95" if suffix in (".jpg", ".jpeg") else "zip",
     }
-    write_raster(path, numbers, _KINDS[depth], attributes)
+    with writing_raster(path, size=size, channels=channels, kind=_KINDS[depth], attributes=attributes) as write_numbers:
+
+        def write_rows(pixels: np.ndarray) -> None:
+            try:
+                numbers = _encode(_checked_pixels(pixels), space, depth, premultiply=suffix == ".exr")
+            except InputError as error:
+                raise InputError(f"{path}: {error}") from None
+            write_numbers(numbers)
+
+        yield write_rows
 
 
 def _decode(raster: Raster, space: str) -> tuple[np.ndarray, np.ndarray | None]:

@@ -84,19 +84,26 @@ def read_raster(path: Path | str) -> Raster:
     )
 
 
-def write_raster(path: Path | str, numbers: np.ndarray, kind: str, attributes: Mapping[str, Any]) -> None:
-    """Write numbers to an image file, whole or not at all.
+@contextmanager
+def writing_raster(
+    path: Path | str, *, size: tuple[int, int], channels: int, kind: str, attributes: Mapping[str, Any]
+) -> Iterator[Callable[[np.ndarray], None]]:
+    """A function to hand an image file's rows to, some at a time from the top; the file is there when the block ends.
 
     Args:
         path: the file; its extension tells the format.
-        numbers: [row, col, channel] in the type to be written, or float32 where `kind` is "half".
+        size: (columns, rows).
+        channels: numbers to a pixel.
         kind: OpenImageIO's name of the type in the file: "uint8", "uint16", "half", "float".
         attributes: metadata by OpenImageIO's names; those that the format has no place for are left out.
 
+    Yields:
+        A function that takes [row, col, channel] in the type to be written, or float32 where `kind` is "half".
+
     Raises:
-        InputError: the file cannot be written; the reason is said.
+        InputError: the file cannot be written; the reason is said. Nothing is left of it then.
     """
-    rows, columns, channels = numbers.shape
+    columns, rows = size
     spec = oiio.ImageSpec(columns, rows, channels, kind)
     if channels == 1:
         spec.channelnames = ("Y",)
@@ -105,15 +112,51 @@ def write_raster(path: Path | str, numbers: np.ndarray, kind: str, attributes: M
         spec.alpha_channel = 1
     for name, value in attributes.items():
         spec.attribute(name, value)
-    with replacing(path) as temporary, _QUIET():
-        target = oiio.ImageOutput.create(str(temporary))
-        if target is None:
-            raise InputError(f"{path}: cannot be written ({_first_line(oiio.geterror())})")
-        done = target.open(str(temporary), spec) and target.write_image(np.ascontiguousarray(numbers))
-        problem = target.geterror()
-        if not (target.close() and done):
-            problem = (problem or target.geterror()).replace(str(temporary), Path(path).name)
-            raise InputError(f"{path}: cannot be written ({_first_line(problem)})")
+    with replacing(path) as temporary:
+        target = _Target(Path(path), temporary, spec)
+        try:
+            yield target.write
+        except BaseException:
+            target.abandon()
+            raise
+        target.close()
+
+
+class _Target:
+    """An image file that is being written under a temporary name."""
+
+    def __init__(self, path: Path, temporary: Path, spec: Any) -> None:
+        self._path, self._temporary, self._rows = path, temporary, spec.height
+        self._done = 0
+        with _QUIET():
+            self._file: Any = oiio.ImageOutput.create(str(temporary))
+            if self._file is None:
+                raise InputError(f"{path}: cannot be written ({_first_line(oiio.geterror())})")
+            if not self._file.open(str(temporary), spec):
+                raise self._problem()
+
+    def write(self, numbers: np.ndarray) -> None:
+        top, self._done = self._done, self._done + len(numbers)
+        with _QUIET():
+            if not self._file.write_scanlines(top, self._done, 0, np.ascontiguousarray(numbers)):
+                raise self._problem()
+
+    def close(self) -> None:
+        if self._done != self._rows:
+            self.abandon()
+            raise ValueError(f"{self._path}: was given {self._done} of its {self._rows} rows")
+        with _QUIET():
+            if not self._file.close():
+                raise self._problem()
+
+    def abandon(self) -> None:
+        with _QUIET():
+            self._file.close()
+            self._file.geterror()  # an error that nobody asks for is printed
+
+    def _problem(self) -> InputError:
+        told = self._file.geterror().replace(str(self._temporary), self._path.name)
+        return InputError(f"{self._path}: cannot be written ({_first_line(told)})")
 
 
 def _check_size(path: Path, spec: Any) -> None:
