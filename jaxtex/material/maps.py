@@ -1,0 +1,298 @@
+"""Material maps of a sheet: base colour, height, normal, roughness and tile ids, from functions of one point.
+
+What a pixel shows is the mean over the rectangle it covers, exactly so but for rounded corners: a map made at half the
+resolution is the larger map with each four pixels averaged.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+from jax import Array
+
+from jaxtex.core.errors import InputError
+from jaxtex.material.appearance import Appearance
+from jaxtex.material.sheet import Sheet
+from jaxtex.models.tiling import Tiling
+
+LONGEST_SIDE = 65_536
+"""Larger maps are refused; files of them could hardly be opened."""
+
+_BAND = 1 << 20  # pixels evaluated at a time
+_FEWEST = 4  # pixels across the narrowest tile
+
+
+class Maps(NamedTuple):
+    """Some rows of the maps of a sheet.
+
+    Attributes:
+        base_colour: linear light, [row, col, 3], 0 to 1.
+        height: in plane pixels above the joints' floor, [row, col].
+        normal: unit vectors, [row, col, 3]: x right, y up, z out of the sheet (OpenGL's).
+        roughness: 0 to 1, [row, col].
+        tile_id: the id of the tile at the pixel's centre as a whole number from 0, -1 in joints, [row, col].
+    """
+
+    base_colour: npt.NDArray[np.float32]
+    height: npt.NDArray[np.float32]
+    normal: npt.NDArray[np.float32]
+    roughness: npt.NDArray[np.float32]
+    tile_id: npt.NDArray[np.float32]
+
+
+def render_maps(
+    sheet: Sheet, appearance: Appearance, *, size: tuple[int, int], key: Array, band: int | None = None
+) -> Iterator[Maps]:
+    """Render the material maps of a sheet, some rows at a time from top to bottom.
+
+    The maps cover the sheet exactly: where `size` has another ratio of sides, pixels are not square, and heights and
+    slopes stay those of the sheet. Memory is that of one band of rows, whatever the size. The maps of a seamless sheet
+    go on in their own first row and column, bit for bit.
+
+    Args:
+        size: (width, height) in pixels.
+        key: random key of the colours of tiles that were not seen; a tile's colour depends on nothing else.
+        band: rows at a time; the result does not depend on it. Default: a million pixels.
+
+    Raises:
+        InputError: a size without pixels, beyond `LONGEST_SIDE`, or with too few pixels for the sheet's tiles.
+
+    Examples:
+        >>> from jaxtex.material.appearance import plain_appearance
+        >>> from jaxtex.material.sheet import lay_sheet
+        >>> from jaxtex.models.tiling import make_tiling
+        >>> sheet = lay_sheet(make_tiling(tile_width=60, tile_height=20, offset=0.5), tiles=(2, 4))
+        >>> rows = list(render_maps(sheet, plain_appearance(), size=(64, 48), key=jax.random.key(0), band=20))
+        >>> [part.height.shape for part in rows]
+        [(20, 64), (20, 64), (8, 64)]
+    """
+    _check_size(sheet, size)
+    return _render_bands(sheet, appearance, size, key, band or max(1, _BAND // size[0]))
+
+
+def count_bands(size: tuple[int, int]) -> int:
+    """How many bands `render_maps` makes of a size."""
+    return -(-size[1] // max(1, _BAND // size[0]))
+
+
+def _check_size(sheet: Sheet, size: tuple[int, int]) -> None:
+    told = f"size {size[0]} x {size[1]}"
+    if min(size) < 1:
+        raise InputError(f"{told}: holds no pixels; give at least 1 x 1")
+    if max(size) > LONGEST_SIDE:
+        raise InputError(f"{told}: is too large; at most {LONGEST_SIDE} pixels to a side can be made")
+    across = size[0] / sheet.columns * float(np.min(sheet.tiling.course_lengths))
+    along = size[1] / sheet.rows
+    if min(across, along) < _FEWEST:
+        raise InputError(
+            f"{told}: is too small for {sheet.columns:g} x {sheet.rows} tiles, as it leaves {min(across, along):.2g} "
+            f"pixels to a tile; give at least {_FEWEST}, or fewer tiles"
+        )
+
+
+def _render_bands(sheet: Sheet, appearance: Appearance, size: tuple[int, int], key: Array, band: int) -> Iterator[Maps]:
+    material = _make_material(sheet, appearance, size, key)
+    width, height = size
+    x = sheet.corner[0] + (np.arange(width) + 0.5) * (sheet.width / width)
+    y = sheet.corner[1] + (np.arange(-(-height // band) * band) + 0.5) * (sheet.height / height)
+    for top in range(0, height, band):
+        # Rows beyond the last are made, and dropped, so that all bands have one shape and are compiled once.
+        rows = _render_grid(material, jnp.asarray(x, jnp.float32), jnp.asarray(y[top : top + band], jnp.float32))
+        yield Maps(*(part[: height - top] for part in rows))
+
+
+class _Material(eqx.Module):
+    """All that a pixel of a sheet depends on but its place.
+
+    Tables are padded, so that sheets of about as many tiles share compiled code.
+    """
+
+    tiling: Tiling
+    first_course: Array  # course of the first row of tiles, the one above the sheet
+    shape: Array  # rows and tiles to a row
+    first_tile: Array  # by row
+    colours: Array  # by row and place in the row, as one index
+    identity: Array  # likewise
+    joint: Array
+    relief: Array  # joint depth, width of the tiles' edges
+    roughness: Array  # of tiles, of joints
+    pixel: Array  # width and height of a pixel, in plane pixels
+
+
+def _make_material(sheet: Sheet, appearance: Appearance, size: tuple[int, int], key: Array) -> _Material:
+    table = sheet.table()
+    colours = appearance.colours(table.course, table.tile, key=key)
+    return _Material(
+        tiling=jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), sheet.tiling),
+        first_course=jnp.asarray(sheet.first_course - 1, jnp.int32),
+        shape=jnp.asarray(table.tile.shape, jnp.int32),
+        first_tile=_padded(table.first),
+        colours=_padded(colours.reshape(-1, 3)),
+        identity=_padded(table.identity.ravel()),
+        joint=jnp.asarray(appearance.joint, jnp.float32),
+        relief=jnp.asarray([appearance.joint_depth, appearance.edge_width], jnp.float32),
+        roughness=jnp.asarray([appearance.tile_roughness, appearance.joint_roughness], jnp.float32),
+        pixel=jnp.asarray([sheet.width / size[0], sheet.height / size[1]], jnp.float32),
+    )
+
+
+def _padded(table: npt.NDArray) -> Array:
+    """With zeros up to the next power of four."""
+    length = 4 ** math.ceil(math.log(len(table), 4))
+    return jnp.asarray(np.pad(table, [(0, length - len(table))] + [(0, 0)] * (table.ndim - 1)))
+
+
+def _render_grid(material: _Material, x: Array, y: Array) -> Maps:
+    # One kernel for each: a map of one value per pixel is compiled into a single loop, all of them together are not,
+    # and take five times as long.
+    slope_x, slope_y = (_evaluate(function, material, x, y) for function in (_slope_x, _slope_y))
+    maps = (
+        _evaluate(_base_colour, material, x, y),
+        _evaluate(_height, material, x, y),
+        _normals(slope_x, slope_y),
+        _evaluate(_roughness, material, x, y),
+        _evaluate(_tile_id, material, x, y),
+    )
+    return Maps(*map(np.asarray, maps))
+
+
+@eqx.filter_jit
+def _evaluate(function: Callable[[_Material, Array], Array], material: _Material, x: Array, y: Array) -> Array:
+    """A function of one lattice point at all points of a grid, [row, col, ...]."""
+    return jax.vmap(lambda at: jax.vmap(lambda across: function(material, jnp.stack([across, at])))(x))(y)
+
+
+@jax.jit
+def _normals(slope_x: Array, slope_y: Array) -> Array:
+    # y of the sheet points down, of the normal up.
+    upward = jnp.stack([-slope_x, slope_y, jnp.ones_like(slope_x)], axis=-1)
+    return upward / jnp.sqrt(1.0 + slope_x**2 + slope_y**2)[..., None]
+
+
+def _base_colour(material: _Material, q: Array) -> Array:
+    tiles = _find_tiles(material, q)
+    shares = [_share(tile, material) for tile in tiles]
+    colour = _joint_share(shares) * material.joint
+    for tile, share in zip(tiles, shares, strict=True):
+        colour = colour + share * material.colours[tile.entry]
+    return colour
+
+
+def _roughness(material: _Material, q: Array) -> Array:
+    joint = _joint_share([_share(tile, material) for tile in _find_tiles(material, q)])
+    return material.roughness[0] + joint * (material.roughness[1] - material.roughness[0])
+
+
+def _tile_id(material: _Material, q: Array) -> Array:
+    own = _find_tiles(material, q)[0]
+    x, y = _round_corner(own.inside_x, own.inside_y, material.tiling.corner_radius)
+    return jnp.where(jnp.minimum(x, y) >= 0, material.identity[own.entry], -1).astype(jnp.float32)
+
+
+def _height(material: _Material, q: Array) -> Array:
+    return _height_beside(0.0, 0.0, _find_tiles(material, q), material)
+
+
+def _slope_x(material: _Material, q: Array) -> Array:
+    return jax.grad(_height_beside, argnums=0)(0.0, 0.0, _find_tiles(material, q), material)
+
+
+def _slope_y(material: _Material, q: Array) -> Array:
+    return jax.grad(_height_beside, argnums=1)(0.0, 0.0, _find_tiles(material, q), material)
+
+
+def _height_beside(right: Array | float, down: Array | float, tiles: "list[_Near]", material: _Material) -> Array:
+    """The height a little to the right of the pixel's centre and a little below it.
+
+    Joints have a flat floor at 0; a tile's edge rises from there as a parabola, level where it meets the tile's face.
+    """
+    rises = [
+        _mean_over_pixel(_rise, tile.inside_x + tile.inward_x * right, tile.inside_y + tile.inward_y * down, material)
+        for tile in tiles
+    ]
+    return material.relief[0] * sum(rises)
+
+
+def _share(tile: "_Near", material: _Material) -> Array:
+    """How much of the pixel a tile covers."""
+    return _mean_over_pixel(_step, tile.inside_x, tile.inside_y, material)
+
+
+def _joint_share(shares: list[Array]) -> Array:
+    return jnp.maximum(1.0 - sum(shares), 0.0)
+
+
+class _Near(NamedTuple):
+    """A tile that a pixel may show a part of: its entry in the tables, and how far inside the nearest of its edges the
+    pixel's centre lies, along (x) and across (y) the course, negative outside. `inward` is 1 where that grows with x or
+    y, -1 where it shrinks."""
+
+    entry: Array
+    inside_x: Array
+    inside_y: Array
+    inward_x: Array
+    inward_y: Array
+
+
+def _find_tiles(material: _Material, q: Array) -> list[_Near]:
+    """The tile at a point, then its neighbours along, across, and both."""
+    t = material.tiling
+    own = t.locate(q)
+    down = jnp.where(own.bottom < own.top, 1, -1)
+    beside = t.locate(jnp.stack([q[0], (own.course + 0.5 + down) * t.tile_height]))
+    to_bed = jnp.minimum(own.top, own.bottom)
+    near = []
+    for place, inside_y, inward_y in ((own, to_bed, -down), (beside, -to_bed, down)):
+        right = jnp.where(place.right < place.left, 1, -1)
+        to_head = jnp.minimum(place.left, place.right)
+        row = jnp.clip(place.course.astype(jnp.int32) - material.first_course, 0, material.shape[0] - 1)
+        for step, inside_x, inward_x in ((0, to_head, -right), (right, -to_head, right)):
+            in_row = jnp.clip(place.tile.astype(jnp.int32) + step - material.first_tile[row], 0, material.shape[1] - 1)
+            near.append(
+                _Near(
+                    entry=row * material.shape[1] + in_row,
+                    inside_x=inside_x - 0.5 * t.mortar_x,
+                    inside_y=inside_y - 0.5 * t.mortar_y,
+                    inward_x=inward_x,
+                    inward_y=inward_y,
+                )
+            )
+    return near
+
+
+def _round_corner(x: Array, y: Array, radius: Array) -> tuple[Array, Array]:
+    """Where a corner is rounded, the lesser of the two distances from the edges becomes the distance from the arc."""
+    beyond_x, beyond_y = radius - x, radius - y
+    in_corner = (beyond_x > 0) & (beyond_y > 0) & (radius > 0)
+    # sqrt has no finite gradient at 0: where there is no corner it is taken of something else.
+    reach = jnp.sqrt(jnp.where(in_corner, beyond_x**2 + beyond_y**2, 1.0))
+    rounded = jnp.where(in_corner, radius - reach, jnp.inf)
+    return jnp.where(x <= y, jnp.minimum(x, rounded), x), jnp.where(x > y, jnp.minimum(y, rounded), y)
+
+
+def _mean_over_pixel(profile: Callable[..., Array], x: Array, y: Array, material: _Material) -> Array:
+    """The mean over a pixel of a profile of the distances from the edges, along times across."""
+    x, y = _round_corner(x, y, material.tiling.corner_radius)
+    edge = material.relief[1]
+    return profile(x, material.pixel[0], edge) * profile(y, material.pixel[1], edge)
+
+
+def _step(inside: Array, pixel: Array, edge: Array) -> Array:
+    """Mean over a pixel of the step from 0 outside to 1 inside."""
+    return jnp.clip(inside / pixel + 0.5, 0.0, 1.0)
+
+
+def _rise(inside: Array, pixel: Array, edge: Array) -> Array:
+    """Mean over a pixel of 0 outside, u (2 - u) at u edge widths inside, 1 from one edge width on."""
+
+    def integral(d: Array) -> Array:
+        u = jnp.clip(d / jnp.maximum(edge, 1e-6), 0.0, 1.0)
+        return jnp.maximum(edge, 1e-6) * (u * u - u**3 / 3.0 - u) + jnp.clip(d, 0.0)
+
+    centre = jnp.clip(inside, -pixel, edge + pixel)  # far from the edge nothing changes, and digits are not lost
+    return (integral(centre + 0.5 * pixel) - integral(centre - 0.5 * pixel)) / pixel
