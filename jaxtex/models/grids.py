@@ -1,5 +1,6 @@
 """Point functions evaluated on the pixel centres of a picture, in bounded memory."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -46,12 +47,17 @@ def on_grid(function: Callable[[Array], Any], height: int, width: int) -> Any:
 def _evaluate(function: Callable[[Array], Any], height: int, width: int) -> Any:
     leaves = jax.tree.leaves(eqx.filter(function, eqx.is_inexact_array))
     dtype = jnp.result_type(*leaves) if leaves else jnp.result_type(float)
-    x, y = jnp.arange(width, dtype=dtype) + 0.5, jnp.arange(height, dtype=dtype) + 0.5
+    x = jnp.arange(width, dtype=dtype) + 0.5
 
     def evaluate_row(at: Array) -> Any:
         return jax.vmap(lambda across: function(jnp.stack([across, at])))(x)
 
-    return jax.lax.map(evaluate_row, y, batch_size=max(1, _BLOCK // width))
+    # Blocks of equal height, the last one going over the edge: a rest of its own would be compiled a second time.
+    blocks = math.ceil(height * width / _BLOCK)
+    rows = math.ceil(height / blocks)
+    y = jnp.arange(blocks * rows, dtype=dtype) + 0.5
+    in_blocks = jax.lax.map(jax.vmap(evaluate_row), y.reshape(blocks, rows))
+    return jax.tree.map(lambda leaf: leaf.reshape(blocks * rows, *leaf.shape[2:])[:height], in_blocks)
 
 
 def coverage_grid(tiling: Tiling, height: int, width: int, *, blur: ArrayLike = 0.5) -> Array:
@@ -64,6 +70,11 @@ def coverage_grid(tiling: Tiling, height: int, width: int, *, blur: ArrayLike = 
     blur : ()
         Standard deviation of the anti-aliasing Gaussian in pixels, > 0.
 
+    Raises
+    ------
+    ValueError
+        For a picture without pixels, or a blur that is not positive.
+
     Returns
     -------
     [height, width] in the precision of the tiling's leaves; differentiable in every one of them.
@@ -75,4 +86,7 @@ def coverage_grid(tiling: Tiling, height: int, width: int, *, blur: ArrayLike = 
     >>> mask.shape, round(float(mask.mean()), 2)  # (6 * 2) / (8 * 4)
     ((64, 64), 0.38)
     """
-    return on_grid(eqx.Partial(Tiling.coverage, tiling, blur=blur), height, width)
+    width_of_spot = jnp.asarray(blur, dtype=jnp.result_type(*jax.tree.leaves(tiling)))
+    if not isinstance(width_of_spot, jax.core.Tracer) and not bool(width_of_spot > 0):
+        raise ValueError(f"blur is {float(width_of_spot):g} pixels; it must be > 0")
+    return on_grid(eqx.Partial(Tiling.coverage, tiling, blur=width_of_spot), height, width)
