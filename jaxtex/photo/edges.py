@@ -8,10 +8,9 @@ a little over half the joint.
 import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
-from skimage.filters import threshold_otsu
 
 from jaxtex.core.errors import InputError
-from jaxtex.photo.pictures import to_lab
+from jaxtex.photo.pictures import part_histogram, to_lab
 
 Mask = npt.NDArray[np.bool_]
 Plane = npt.NDArray[np.float32]
@@ -91,8 +90,8 @@ def pyramid_edges(pixels: npt.ArrayLike, *, levels: int = 2, strength: float | N
     edges = (change >= strength) & _crests(change, direction)
     for level in reversed(pyramid):
         change, direction = _gradient(_blur(level, _GRAIN))
-        # Nearer by, the same edge may be blunt or broken by grain: half the strength still counts as seen.
-        edges = _children(edges, change.shape) & (change >= strength / 2) & _crests(change, direction)
+        strength /= 2  # a blunt edge is spread over twice as many pixels
+        edges = _children(edges, change.shape) & (change >= strength) & _crests(change, direction)
     return ~edges
 
 
@@ -106,7 +105,7 @@ def _choose_strength(change: Plane, strength: float | None) -> float:
         return strength
     if change.max() <= 1e-3:
         raise InputError("picture: has one single colour, so it has no edges")
-    return float(threshold_otsu(change))
+    return part_histogram(change)
 
 
 def _blur(lab: Plane, sigma: float) -> Plane:

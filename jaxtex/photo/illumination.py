@@ -5,6 +5,8 @@ in the logarithm (a window to one side, the falling off of a flash, vignetting) 
 and everything that stands out from its surroundings (joints, stains, odd tiles), is the material's and does not count.
 """
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
@@ -12,8 +14,8 @@ from scipy import ndimage
 from jaxtex.core.errors import InputError
 from jaxtex.photo.pictures import check_picture, luminance
 
-_GRID = 192  # cells along the longer side on which light is estimated: it is slow, more would be waste
-_ROUNDS = 8
+_GRID = 96  # cells along the longer side on which light is estimated: it is slow, more would be waste
+_ROUNDS = 6  # of each kind of weight
 _OUTLIER = 4.685  # Tukey's constant: 95 % efficient where the material's variation is Gaussian
 _FINEST = 0.02  # in log luminance; what stands out by less than a few of these is never an outlier
 _BLACKEST = 1e-3  # of the median luminance; below it a pixel says nothing about light
@@ -23,8 +25,7 @@ def even_out(pixels: npt.ArrayLike, *, scale: float = 0.25) -> tuple[npt.NDArray
     """Divide slow illumination out of a photograph; its mean luminance and all hues stay.
 
     A robust cubic in log luminance takes the general slope, a robust Gaussian mean of what is left takes the rest.
-    Blocks are reduced by their medians and outliers lose their weight, so that neither dark joints nor pale ones bias
-    the light.
+    Both settle on what most of the surface is, so that joints, dark or pale, do not bias the light.
 
     Args:
         pixels: linear light, ``[H, W]`` or ``[H, W, C]`` with C 1 or 3.
@@ -54,7 +55,7 @@ def even_out(pixels: npt.ArrayLike, *, scale: float = 0.25) -> tuple[npt.NDArray
         raise InputError(
             "picture: more than half of it is black, so it says nothing about the light; check the exposure"
         )
-    step = max(1, round(max(light.shape) / _GRID))
+    step = math.ceil(max(light.shape) / _GRID)
     cells = _block_medians(np.where(positive, light, np.nan), step)
     slow = _slow_part(cells, sigma=scale * max(light.shape) / step)
     field = np.exp(_enlarge(slow, step, light.shape)).astype(np.float32)
@@ -75,7 +76,7 @@ def _block_medians(light: npt.NDArray[np.float32], step: int) -> npt.NDArray[np.
 
 
 def _slow_part(cells: npt.NDArray[np.float64], sigma: float) -> npt.NDArray[np.float64]:
-    """Cubic trend plus large Gaussian mean of log luminance, both blind to outliers (Tukey's biweight)."""
+    """Cubic trend plus large Gaussian mean of log luminance, both blind to outliers: first by L1, then by Tukey."""
     known = ~np.isnan(cells)
     filled = np.where(known, cells, 0.0)
     y, x = np.indices(cells.shape)
@@ -83,20 +84,26 @@ def _slow_part(cells: npt.NDArray[np.float64], sigma: float) -> npt.NDArray[np.f
     terms = np.stack([x**i * y**j for i in range(4) for j in range(4 - i)], axis=-1)
     slow = np.zeros(cells.shape)
     weight = known.astype(np.float64)
-    for _ in range(_ROUNDS):
+    for done in range(2 * _ROUNDS):
         weighted = terms * np.sqrt(weight)[..., None]
         target = filled * np.sqrt(weight)
         trend = terms @ np.linalg.lstsq(weighted.reshape(-1, terms.shape[-1]), target.ravel(), rcond=None)[0]
         rest = _gaussian_mean(filled - trend, weight, sigma)
         slow = trend + rest
-        weight = _biweight(filled - slow, known)
+        residual = np.where(known, filled - slow, np.inf)
+        weight = _l1_weight(residual) if done < _ROUNDS else _biweight(residual)
     return slow
 
 
-def _biweight(residual: npt.NDArray[np.float64], known: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:
-    deviation = np.median(np.abs(residual[known])) / 0.6745
-    deviation = max(deviation, _FINEST)
-    return np.where(known, np.clip(1 - (residual / (_OUTLIER * deviation)) ** 2, 0, None) ** 2, 0.0)
+def _l1_weight(residual: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Weights under which a mean tends to the median, which up to half of all cells cannot carry away."""
+    return _FINEST / np.maximum(np.abs(residual), _FINEST)
+
+
+def _biweight(residual: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Tukey's weights, 0 for what stands out too far: they finish what the median has begun."""
+    deviation = max(float(np.median(np.abs(residual[np.isfinite(residual)]))) / 0.6745, _FINEST)
+    return np.clip(1 - (residual / (_OUTLIER * deviation)) ** 2, 0, None) ** 2
 
 
 def _gaussian_mean(

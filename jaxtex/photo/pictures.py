@@ -1,4 +1,5 @@
-"""What every tool for photographs asks of a picture first: a checked array, its luminance, its place in CIE Lab.
+"""What every tool for photographs asks of a picture first: a checked array, its luminance, its place in CIE Lab, and
+the value that parts its histogram.
 
 Tools that compare colours or set thresholds work in CIE L*a*b* (D65), where a step of equal size is about equally
 visible anywhere; linear light would give nearly all of a threshold's range to the highlights.
@@ -7,6 +8,7 @@ visible anywhere; linear light would give nearly all of a threshold's range to t
 import numpy as np
 import numpy.typing as npt
 from skimage.color import xyz2lab
+from skimage.filters import threshold_otsu
 
 from jaxtex.core.errors import InputError
 
@@ -102,3 +104,23 @@ def lightness(pixels: npt.ArrayLike) -> npt.NDArray[np.float32]:
     # CIE 15:2004: the cube root, continued by its tangent near black.
     cube = np.where(light > (6 / 29) ** 3, np.cbrt(light), light / (3 * (6 / 29) ** 2) + 4 / 29)
     return (116 * cube - 16).astype(np.float32)
+
+
+def part_histogram(values: npt.ArrayLike) -> float:
+    """The value that parts numbers into two groups, each as close together as can be (Otsu's method).
+
+    Where nothing lies between the groups Otsu's criterion is flat there; the value given is midway between the two
+    means, which meets the criterion too and does not hug one group.
+
+    Args:
+        values: numbers of any shape, not all equal.
+
+    Source: Otsu, "A threshold selection method from gray-level histograms" (1979).
+
+    Examples:
+        >>> round(part_histogram([1.0, 1.1, 0.9, 5.0, 5.1, 4.9]), 6)
+        3.0
+    """
+    numbers = np.asarray(values, np.float64)
+    low = numbers <= threshold_otsu(numbers)
+    return float(numbers[low].mean() + numbers[~low].mean()) / 2

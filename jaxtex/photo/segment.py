@@ -8,10 +8,9 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-from skimage.filters import threshold_otsu
 
 from jaxtex.core.errors import InputError
-from jaxtex.photo.pictures import check_picture, lightness, to_lab
+from jaxtex.photo.pictures import check_picture, lightness, part_histogram, to_lab
 
 Mask = npt.NDArray[np.bool_]
 
@@ -49,7 +48,7 @@ def threshold_mask(
             raise InputError(
                 f"picture: has one single lightness, {light.min():.1f}, so nothing parts tiles from joints"
             )
-        level = float(threshold_otsu(light))
+        level = part_histogram(light)
     elif not 0 <= level <= 100:
         raise InputError(f"level: {level:g} is out of range; lightness goes from 0 (black) to 100 (white)")
     return light > level if joints == "dark" else light <= level
