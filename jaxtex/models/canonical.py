@@ -32,8 +32,8 @@ def canonical(tiling: Tiling) -> Tiling:
     Raises
     ------
     ValueError
-        For a homography with H33 = 0, whose horizon goes through the picture's corner; and where tiles of different
-        lengths leave no way to bring ``offset`` into [0, 1).
+        For numbers that are not finite; for a homography with H33 = 0, whose horizon goes through the picture's corner;
+        and where tiles of different lengths leave no way to bring ``offset`` into [0, 1).
 
     Examples
     --------
@@ -43,6 +43,8 @@ def canonical(tiling: Tiling) -> Tiling:
     (60.0, 0.0)
     """
     exact = _in_double(tiling)
+    if not all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(exact)):
+        raise ValueError("the tiling holds numbers that are not finite")
     if exact.homography[2, 2] == 0:
         raise ValueError("homography has H33 = 0: its horizon goes through the picture's corner (0, 0)")
     exact = dataclasses.replace(exact, homography=exact.homography / exact.homography[2, 2])
