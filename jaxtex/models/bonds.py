@@ -4,27 +4,21 @@ from typing import Any
 
 
 def bond_pattern(bond: str, *, header: float = 0.5) -> dict[str, Any]:
-    """The arguments of :func:`~jaxtex.models.tiling.make_tiling` that make a named bond.
+    """The arguments of `make_tiling` that make a named bond.
 
-    Parameters
-    ----------
-    bond : str
-        ``stack``: head joints in line; ``running``: each course half a tile on; ``english``: courses of stretchers
-        and courses of headers by turns; ``flemish``: stretchers and headers by turns in every course.
-    header : float
-        Pitch of a header in units of a stretcher's. Headers sit in the middle of stretchers, for an English bond of
-        any other than 0.5 only at the origin.
+    Args:
+        bond: `stack`: head joints in line; `running`: each course half a tile on; `english`: courses of stretchers and
+            courses of headers by turns; `flemish`: stretchers and headers by turns in every course.
+        header: pitch of a header in units of a stretcher's. Headers sit in the middle of stretchers; in an English
+            bond, where it is not 0.5, only at the origin.
 
-    Raises
-    ------
-    ValueError
-        For raking and irregular bonds, which are whatever their offsets are.
+    Raises:
+        ValueError: for raking and irregular bonds, which are whatever their offsets are.
 
-    Examples
-    --------
-    >>> from jaxtex.models.tiling import make_tiling
-    >>> make_tiling(tile_width=90.0, tile_height=30.0, **bond_pattern("flemish")).course_lengths.tolist()
-    [[1.0, 0.5]]
+    Examples:
+        >>> from jaxtex.models.tiling import make_tiling
+        >>> make_tiling(tile_width=90.0, tile_height=30.0, **bond_pattern("flemish")).course_lengths.tolist()
+        [[1.0, 0.5]]
     """
     patterns: dict[str, dict[str, Any]] = {
         "stack": {},

@@ -24,23 +24,20 @@ def canonical(tiling: Tiling) -> Tiling:
     """Write a tiling in the form that model files hold; its coverage is unchanged everywhere.
 
     - The homography has H33 = 1.
-    - The longest tile is 1 ``tile_width``; course 0 is a course with the longest tiles.
-    - ``angle`` is in (-pi/2, pi/2]; in (-pi/4, pi/4] for a stack bond, where either direction could be the course.
-    - ``offset`` is in [0, 1), ``course_offsets[0]`` is 0 and the others are in [0, length of the course's pattern).
+    - The longest tile is 1 `tile_width`; course 0 is a course with the longest tiles.
+    - `angle` is in (-pi/2, pi/2]; in (-pi/4, pi/4] for a stack bond, where either direction could be the course.
+    - `offset` is in [0, 1), `course_offsets[0]` is 0 and the others are in [0, length of the course's pattern).
     - Patterns are as short as they can be.
 
-    Raises
-    ------
-    ValueError
-        For numbers that are not finite; for a homography with H33 = 0, whose horizon goes through the picture's corner;
-        and where tiles of different lengths leave no way to bring ``offset`` into [0, 1).
+    Raises:
+        ValueError: for numbers that are not finite; for a homography with H33 = 0, whose horizon goes through the
+            picture's corner; and where tiles of different lengths leave no way to bring `offset` into [0, 1).
 
-    Examples
-    --------
-    >>> from jaxtex.models.tiling import make_tiling
-    >>> upright = canonical(make_tiling(tile_width=20.0, tile_height=60.0, angle=np.pi / 2, bond="stack"))
-    >>> float(upright.tile_width), round(float(upright.angle), 6)
-    (60.0, 0.0)
+    Examples:
+        >>> from jaxtex.models.tiling import make_tiling
+        >>> upright = canonical(make_tiling(tile_width=20.0, tile_height=60.0, angle=np.pi / 2, bond="stack"))
+        >>> float(upright.tile_width), round(float(upright.angle), 6)
+        (60.0, 0.0)
     """
     exact = _in_double(tiling)
     if not all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(exact)):
@@ -54,21 +51,18 @@ def canonical(tiling: Tiling) -> Tiling:
 
 
 def nearest_node(tiling: Tiling, point: ArrayLike) -> Tiling:
-    """Move ``origin`` to the lattice node nearest to an image point; the coverage is unchanged everywhere.
+    """Move `origin` to the lattice node nearest to an image point; the coverage is unchanged everywhere.
 
     Nodes are the starts of the courses' patterns, in courses with the longest tiles. Nearest is measured in the
     plane.
 
-    Parameters
-    ----------
-    point : (2,)
-        Image point (x, y), as a rule the middle of the picture: there a fit knows the origin best.
+    Args:
+        point: image point (x, y), as a rule the middle of the picture: there a fit knows the origin best.
 
-    Examples
-    --------
-    >>> from jaxtex.models.tiling import make_tiling
-    >>> nearest_node(make_tiling(tile_width=40.0, tile_height=20.0, offset=0.5), (130.0, 55.0)).origin.tolist()
-    [140.0, 60.0]
+    Examples:
+        >>> from jaxtex.models.tiling import make_tiling
+        >>> nearest_node(make_tiling(tile_width=40.0, tile_height=20.0, offset=0.5), (130.0, 55.0)).origin.tolist()
+        [140.0, 60.0]
     """
     exact = _in_double(tiling)
     with jax.enable_x64():
@@ -158,7 +152,7 @@ def _turn(t: Any, rounding: float) -> Any:
 
 
 def _start_at(t: Any, *, course: int, repeat: int) -> Any:
-    """Move the origin to where the pattern of one course starts for the ``repeat``-th time."""
+    """Move the origin to where the pattern of one course starts for the `repeat`-th time."""
     t = _with_own_offsets(t)
     along = _shift(t, course) + repeat * t.course_lengths[course % len(t.course_lengths)].sum()
     c, s = np.cos(t.angle), np.sin(t.angle)
@@ -174,7 +168,7 @@ def _start_at(t: Any, *, course: int, repeat: int) -> Any:
 
 
 def _with_own_offsets(t: Any, cycle: int = 1) -> Any:
-    """Repeat the course offsets so that each belongs to courses of one pattern only, and ``cycle`` divides them."""
+    """Repeat the course offsets so that each belongs to courses of one pattern only, and `cycle` divides them."""
     if np.ptp(t.course_lengths.sum(axis=1)) > 0:
         cycle = math.lcm(cycle, len(t.course_lengths))
     repeats = math.lcm(cycle, t.course_offsets.size) // t.course_offsets.size
@@ -211,7 +205,7 @@ def _wrap_offset(t: Any, rounding: float) -> Any:
 
 
 def _cycle_of(step: float, periods: NDArray[np.float64]) -> int | None:
-    """The number of courses after which shifts of ``step`` per course have come round in all of them."""
+    """The number of courses after which shifts of `step` per course have come round in all of them."""
     for cycle in range(len(periods), _LONGEST_CYCLE + 1, len(periods)):
         rounds = cycle * step / periods
         if np.abs(rounds - np.round(rounds)).max() < 1e-9:

@@ -19,23 +19,21 @@ _BLOCK = 1 << 18
 def on_grid(function: Callable[[Array], Any], height: int, width: int) -> Any:
     """Evaluate a function of one image point at all pixel centres (c + 0.5, r + 0.5).
 
-    Parameters
-    ----------
-    function : callable
-        From a point (2,), x right and y down, to an array or a pytree of arrays. Give numbers that change from call
-        to call as array leaves (a module's bound method, or ``eqx.Partial``): it compiles once per shape then. A
-        plain function compiles once per function.
-    height, width : int
-        The picture's size in pixels.
+    Args:
+        function: from a point (2,), x right and y down, to an array or a pytree of arrays. Give numbers that change
+            from call to call as array leaves (a module's bound method, or `eqx.Partial`): it compiles once per shape
+            then. A plain function compiles once per function.
+        height, width: the picture's size in pixels.
 
-    Returns
-    -------
-    The function's value with two leading axes [height, width]; points have the precision of the function's leaves.
+    Returns:
+        The function's value with two leading axes [height, width]; points have the precision of the function's leaves.
 
-    Examples
-    --------
-    >>> on_grid(lambda point: point[0] + 10 * point[1], 2, 3).tolist()
-    [[5.5, 6.5, 7.5], [15.5, 16.5, 17.5]]
+    Raises:
+        ValueError: the picture has no pixels.
+
+    Examples:
+        >>> on_grid(lambda point: point[0] + 10 * point[1], 2, 3).tolist()
+        [[5.5, 6.5, 7.5], [15.5, 16.5, 17.5]]
     """
     if min(height, width) < 1:
         raise ValueError(f"a picture of {width} x {height} pixels has no points; both must be at least 1")
@@ -61,30 +59,24 @@ def _evaluate(function: Callable[[Array], Any], height: int, width: int) -> Any:
 
 
 def coverage_grid(tiling: Tiling, height: int, width: int, *, blur: ArrayLike = 0.5) -> Array:
-    """The soft mask of a tiling: :meth:`Tiling.coverage` at every pixel, 1 = tile, 0 = joint.
+    """The soft mask of a tiling: `Tiling.coverage` at every pixel, 1 = tile, 0 = joint.
 
-    Parameters
-    ----------
-    height, width : int
-        The picture's size in pixels.
-    blur : ()
-        Standard deviation of the anti-aliasing Gaussian in pixels, > 0.
+    Args:
+        tiling: the model.
+        height, width: the picture's size in pixels.
+        blur: standard deviation of the anti-aliasing Gaussian in pixels, > 0.
 
-    Raises
-    ------
-    ValueError
-        For a picture without pixels, or a blur that is not positive.
+    Returns:
+        [height, width] in the precision of the tiling's leaves; differentiable in every one of them.
 
-    Returns
-    -------
-    [height, width] in the precision of the tiling's leaves; differentiable in every one of them.
+    Raises:
+        ValueError: the picture has no pixels, or the blur is not positive.
 
-    Examples
-    --------
-    >>> from jaxtex.models.tiling import make_tiling
-    >>> mask = coverage_grid(make_tiling(tile_width=8, tile_height=4, mortar_x=2, mortar_y=2), 64, 64)
-    >>> mask.shape, round(float(mask.mean()), 2)  # (6 * 2) / (8 * 4)
-    ((64, 64), 0.38)
+    Examples:
+        >>> from jaxtex.models.tiling import make_tiling
+        >>> mask = coverage_grid(make_tiling(tile_width=8, tile_height=4, mortar_x=2, mortar_y=2), 64, 64)
+        >>> mask.shape, round(float(mask.mean()), 2)  # (6 * 2) / (8 * 4)
+        ((64, 64), 0.38)
     """
     width_of_spot = jnp.asarray(blur, dtype=jnp.result_type(*jax.tree.leaves(tiling)))
     if not isinstance(width_of_spot, jax.core.Tracer) and not bool(width_of_spot > 0):

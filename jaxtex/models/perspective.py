@@ -4,8 +4,8 @@ All views of a plane that leave lengths and angles at one point of the picture, 
 
     x -> c + J (x - c) / (1 + tilt . (x - c)),    J = I + shear d n^T
 
-with d the direction of the courses and n the direction across them. The two numbers of ``tilt`` are the perspective,
-in 1/pixel; ``shear`` is what is left of an oblique view in the middle of the picture. Every homography is one of these,
+with d the direction of the courses and n the direction across them. The two numbers of `tilt` are the perspective,
+in 1/pixel; `shear` is what is left of an oblique view in the middle of the picture. Every homography is one of these,
 followed by a change of the lattice's own scale, direction and place.
 """
 
@@ -20,19 +20,17 @@ from jaxtex.models.tiling import Tiling
 
 
 def perspective_homography(centre: ArrayLike, tilt: ArrayLike, shear: ArrayLike, angle: ArrayLike) -> Array:
-    """The homography that keeps ``centre``, with H33 = 1; exactly the identity for no tilt and no shear.
+    """The homography that keeps `centre`, with H33 = 1; exactly the identity for no tilt and no shear.
 
-    Parameters
-    ----------
-    centre, tilt : (2,)
-        Pixels, and 1/pixel; the horizon is where 1 + tilt . (x - centre) = 0.
-    shear, angle : ()
-        Courses run along (cos angle, sin angle), in radians; ``shear`` moves them along, per pixel across.
+    Args:
+        centre: image point (x, y).
+        tilt: (2,), in 1/pixel; the horizon is where 1 + tilt . (x - centre) = 0.
+        shear: how far courses are moved along, per pixel across.
+        angle: courses run along (cos angle, sin angle); radians.
 
-    Examples
-    --------
-    >>> perspective_homography([50.0, 40.0], [0.0, 0.0], 0.25, 0.0).tolist()
-    [[1.0, 0.25, -10.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    Examples:
+        >>> perspective_homography([50.0, 40.0], [0.0, 0.0], 0.25, 0.0).tolist()
+        [[1.0, 0.25, -10.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
     centre, tilt = jnp.asarray(centre), jnp.asarray(tilt)
     d, n = _directions(angle)
@@ -47,10 +45,10 @@ def perspective_homography(centre: ArrayLike, tilt: ArrayLike, shear: ArrayLike,
 
 
 def split_homography(homography: ArrayLike, centre: ArrayLike, angle: ArrayLike) -> tuple[Array, Array]:
-    """The (tilt, shear) of a homography: the inverse of :func:`perspective_homography`.
+    """The (tilt, shear) of a homography: the inverse of `perspective_homography`.
 
-    For a homography that is not of that family, what :func:`normalise_view` finds for courses that the picture shows
-    at ``angle``.
+    For a homography that is not of that family, what `normalise_view` finds for courses that the picture shows
+    at `angle`.
     """
     h, centre = jnp.asarray(homography), jnp.asarray(centre)
     d, n = _directions(angle)
@@ -62,23 +60,21 @@ def split_homography(homography: ArrayLike, centre: ArrayLike, angle: ArrayLike)
 
 
 def normalise_view(tiling: Tiling, centre: ArrayLike) -> Tiling:
-    """The same picture, with a homography that keeps ``centre`` and shows lengths and angles there as the image does.
+    """The same picture, with a homography that keeps `centre` and shows lengths and angles there as the image does.
 
     Scale, direction and place move from the homography into the tile sizes, joints, angle and origin. Differentiable,
     and the coverage is unchanged everywhere; but where the homography scales the two directions differently, rounded
     corners would become elliptic: they stay round, of the same area.
 
-    Parameters
-    ----------
-    centre : (2,)
-        Image point (x, y); for model files the middle of the picture (width / 2, height / 2).
+    Args:
+        tiling: the model.
+        centre: image point (x, y); for model files the middle of the picture (width / 2, height / 2).
 
-    Examples
-    --------
-    >>> from jaxtex.models.tiling import make_tiling
-    >>> doubled = make_tiling(tile_width=80.0, tile_height=40.0, homography=[[2.0, 0, 0], [0, 2, 0], [0, 0, 1]])
-    >>> float(normalise_view(doubled, [30.0, 20.0]).tile_width)
-    40.0
+    Examples:
+        >>> from jaxtex.models.tiling import make_tiling
+        >>> doubled = make_tiling(tile_width=80.0, tile_height=40.0, homography=[[2.0, 0, 0], [0, 2, 0], [0, 0, 1]])
+        >>> float(normalise_view(doubled, [30.0, 20.0]).tile_width)
+        40.0
     """
     centre = jnp.asarray(centre, dtype=jnp.result_type(tiling.homography))
     to_plane = jax.jacfwd(tiling.to_plane)(centre)

@@ -19,29 +19,25 @@ _BLOB_BELOW = 2.6
 
 
 def soft_step(x: ArrayLike) -> Array:
-    """The share of the spot on the positive side of a straight edge, for a spot at the signed distance ``x``.
+    """The share of the spot on the positive side of a straight edge, for a spot at the signed distance `x`.
 
-    Examples
-    --------
-    >>> soft_step(jnp.array([-9.0, 0.0, 9.0])).tolist()
-    [0.0, 0.5, 1.0]
+    Examples:
+        >>> soft_step(jnp.array([-9.0, 0.0, 9.0])).tolist()
+        [0.0, 0.5, 1.0]
     """
     return 0.5 * (1.0 + jax.scipy.special.erf(x * 0.7071067811865476))
 
 
 def corner_defect(x: Array, y: Array, radius: Array) -> Array:
-    """What the spot loses when the corner of the quadrant x > 0, y > 0 is rounded to ``radius``.
+    """What the spot loses when the corner of the quadrant x > 0, y > 0 is rounded to `radius`.
 
     The spot lies at (x, y). The exact integral has no closed form; this is within 0.007 of it for every radius. A
     small gap is a Gaussian blob with the gap's own moments, convolved with the spot; at a large one the spot sees an
     edge, at the distance from the arc's centre that the spot's own points have in the mean.
 
-    Parameters
-    ----------
-    x, y : (...)
-        Place of the spot, in its standard deviations.
-    radius : ()
-        Likewise. Radius 0 gives 0, with gradient 0.
+    Args:
+        x, y: place of the spot, in its standard deviations; any one shape.
+        radius: likewise, a scalar. Radius 0 gives 0, with gradient 0.
     """
     arc = jnp.maximum(_second_moment(radius - x) + _second_moment(radius - y) - 1.0, 0.01)
     lost_at_arc = soft_step(x) * soft_step(y) - soft_step(radius - jnp.sqrt(arc))
@@ -56,6 +52,6 @@ def corner_defect(x: Array, y: Array, radius: Array) -> Array:
 
 
 def _second_moment(x: Array) -> Array:
-    """Mean square of the positive part of a unit Gaussian around ``x``."""
+    """Mean square of the positive part of a unit Gaussian around `x`."""
     density = 0.3989422804014327 * jnp.exp(-0.5 * x * x)
     return (x * x + 1.0) * soft_step(x) + x * density

@@ -5,7 +5,7 @@ The way of a point (Lefebvre & Poulin 2000, section 2 and figure 2, with the ext
     image point --homography--> plane point p --> q = R(-angle) (p - origin)
     course j = floor(q_y / tile_height),  tile i = floor(q_x / tile_width - offset * j)
 
-Joints are centred on the lattice lines. Everything is a pure function of one point; callers ``vmap``.
+Joints are centred on the lattice lines. Everything is a pure function of one point; callers `vmap`.
 """
 
 from typing import NamedTuple
@@ -36,7 +36,7 @@ class TilePlace(NamedTuple):
 class _Spot(NamedTuple):
     """How far inside the tiles of one course a Gaussian spot lies, in its own standard deviations.
 
-    ``this`` and ``next`` are the two tiles at the nearest head joint, ``top`` and ``bottom`` the course's two edges.
+    `this` and `next` are the two tiles at the nearest head joint, `top` and `bottom` the course's two edges.
     """
 
     this: Array
@@ -53,40 +53,29 @@ class _Spot(NamedTuple):
 class Tiling(eqx.Module):
     """A rectangular tiling seen in a photograph (Lefebvre & Poulin 2000, section 2).
 
-    All lengths are plane pixels, which are image pixels where ``homography`` is the identity; tile sizes are pitches,
+    All lengths are plane pixels, which are image pixels where `homography` is the identity; tile sizes are pitches,
     joint included. Departures from the paper's six parameters: two joint thicknesses instead of one, a homography so
     that an oblique photograph needs no rectifying, rounded corners, and courses that may differ in their tile
     lengths and be shifted freely.
 
-    Parameters
-    ----------
-    tile_width, tile_height : ()
-        Pitch along and across the courses, > 0.
-    angle : ()
-        Direction of the courses in radians, from x (right) towards y (down).
-    mortar_x, mortar_y : ()
-        Gap between tiles of one course, and between courses, >= 0.
-    offset : ()
-        Shift of each course against the one before it, as a fraction of ``tile_width``.
-    origin : (2,)
-        A lattice node (x, y): the start of tile 0 of course 0.
-    homography : (3, 3)
-        Image point to plane point.
-    corner_radius : ()
-        Radius of the tiles' rounded corners, >= 0.
-    course_offsets : (C,)
-        Further shift of course j, entry ``j mod C``, as a fraction of ``tile_width``.
-    course_lengths : (D, L)
-        Lengths of consecutive tiles in course j, row ``j mod D``, in units of ``tile_width``; the row repeats.
-    bond : str
-        One of :data:`BONDS`. A name for people and files; the geometry is in the arrays.
+    Attributes:
+        tile_width, tile_height: pitch along and across the courses, > 0.
+        angle: direction of the courses in radians, from x (right) towards y (down).
+        mortar_x, mortar_y: gap between tiles of one course, and between courses, >= 0.
+        offset: shift of each course against the one before it, as a fraction of `tile_width`.
+        origin: (2,), a lattice node (x, y): the start of tile 0 of course 0.
+        homography: (3, 3), image point to plane point.
+        corner_radius: radius of the tiles' rounded corners, >= 0.
+        course_offsets: (C,), further shift of course j, entry `j mod C`, as a fraction of `tile_width`.
+        course_lengths: (D, L), lengths of consecutive tiles in course j, row `j mod D`, in units of `tile_width`; the
+            row repeats.
+        bond: one of `BONDS`. A name for people and files; the geometry is in the arrays.
 
-    Examples
-    --------
-    >>> from jaxtex.models.tiling import make_tiling
-    >>> wall = make_tiling(tile_width=40.0, tile_height=20.0, mortar_x=4.0, mortar_y=4.0, offset=0.5)
-    >>> round(float(wall.coverage(jnp.array([20.0, 10.0]), blur=0.5)), 3)
-    1.0
+    Examples:
+        >>> from jaxtex.models.tiling import make_tiling
+        >>> wall = make_tiling(tile_width=40.0, tile_height=20.0, mortar_x=4.0, mortar_y=4.0, offset=0.5)
+        >>> round(float(wall.coverage(jnp.array([20.0, 10.0]), blur=0.5)), 3)
+        1.0
     """
 
     tile_width: Array
@@ -113,23 +102,23 @@ class Tiling(eqx.Module):
         return jnp.stack([c * p[0] + s * p[1], c * p[1] - s * p[0]])
 
     def from_lattice(self, q: Array) -> Array:
-        """Lattice coordinates (2,) back to the image point (2,): the inverse of :meth:`to_lattice`."""
+        """Lattice coordinates (2,) back to the image point (2,): the inverse of `to_lattice`."""
         c, s = jnp.cos(self.angle), jnp.sin(self.angle)
         p = self.origin + jnp.stack([c * q[0] - s * q[1], s * q[0] + c * q[1]])
         return _project(jnp.linalg.inv(self.homography), p)
 
     def locate(self, q: Array) -> TilePlace:
-        """The tile that holds the lattice point ``q`` (2,)."""
+        """The tile that holds the lattice point `q` (2,)."""
         course = jnp.floor(q[1] / self.tile_height)
         return self._place_in_course(q, course)
 
     def coverage(self, point: Array, *, blur: ArrayLike) -> Array:
-        """How much of a Gaussian spot of standard deviation ``blur`` image pixels around ``point`` (2,) is tile.
+        """How much of a Gaussian spot of standard deviation `blur` image pixels around `point` (2,) is tile.
 
         1 inside tiles, 0 inside joints wider than the spot; smooth and differentiable in every parameter. For square
         corners and one scale all over the spot it is the exact convolution of the binary mask with the Gaussian, so a
         mask blurred by the same amount can be compared with it at every scale without bias. At rounded corners it is
-        within 0.01 for radii up to 0.4 of a tile's shorter side. ``blur`` must be > 0; the spot is taken to reach only
+        within 0.01 for radii up to 0.4 of a tile's shorter side. `blur` must be > 0; the spot is taken to reach only
         the nearest bed joint and head joints, so keep it below a quarter of a tile's shorter side.
         """
         square = self.square_coverage(point, blur=blur)
@@ -142,7 +131,7 @@ class Tiling(eqx.Module):
         )
 
     def square_coverage(self, point: Array, *, blur: ArrayLike) -> Array:
-        """:meth:`coverage` as if the corners were square: what a fit needs, several times cheaper to compile."""
+        """`coverage` as if the corners were square: what a fit needs, several times cheaper to compile."""
         own, beside = self._spots(point, blur)
         return own.covered() + beside.covered()
 
@@ -231,20 +220,17 @@ def make_tiling(
     course_lengths: npt.ArrayLike = ((1.0,),),
     bond: str | None = None,
 ) -> Tiling:
-    """Make a :class:`Tiling` from plain numbers, checking them. ``angle`` in radians.
+    """Make a `Tiling` from plain numbers, checking them. `angle` in radians.
 
-    Without ``bond`` its name follows from the arrays where that is certain: stack, running or raking.
+    Without `bond` its name follows from the arrays where that is certain: stack, running or raking.
 
-    Raises
-    ------
-    ValueError
-        For sizes that are not positive, negative joints, joints that leave no tile, corners rounder than the tiles, a
-        singular homography, wrong shapes, numbers that are not finite, an unknown bond.
+    Raises:
+        ValueError: sizes that are not positive, negative joints, joints that leave no tile, corners rounder than the
+            tiles, a singular homography, wrong shapes, numbers that are not finite, an unknown bond.
 
-    Examples
-    --------
-    >>> make_tiling(tile_width=60, tile_height=20, offset=0.5).bond
-    'running'
+    Examples:
+        >>> make_tiling(tile_width=60, tile_height=20, offset=0.5).bond
+        'running'
     """
     arrays = {
         "tile_width": (tile_width, ()),
