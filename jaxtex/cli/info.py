@@ -60,6 +60,8 @@ def _parameter_table(file: "TilingFile") -> Any:
     values = tiling_parameters(file.tiling, rows=file.rows, columns=file.columns, mm_per_px=file.mm_per_px)
     errors, start = file.report["standard_errors"], file.report["start"] or {}
     table = Table("parameter", "value", "±", "start", "meaning", box=None, pad_edge=False)
+    for column in table.columns[:-1]:
+        column.no_wrap = True
     for name, value in values.items():
         started = _show(start.get(name))
         table.add_row(name, _show(value), _show(errors.get(name)), started, described[name]["title"])
