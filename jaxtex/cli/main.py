@@ -179,3 +179,6 @@ def _keep_compiled_code() -> None:
     if os.access(folder, os.W_OK):
         os.environ["JAX_COMPILATION_CACHE_DIR"] = str(folder)
         os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.1")
+        # Each kernel read back would be announced on stderr as an error: its compiler's preferences (such as
+        # +prefer-no-gather) are no features of the processor. Errors that matter come as exceptions.
+        os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
