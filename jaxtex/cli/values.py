@@ -47,6 +47,26 @@ def parse_size(option: str, word: str) -> tuple[int, int]:
     return int(match[1]), int(match[2])
 
 
+def parse_tiles(option: str, word: str) -> tuple[int, int]:
+    """Read "CxR" as numbers of tiles: (columns, rows).
+
+    Args:
+        option: the option's name, for the complaint.
+        word: what the user typed.
+
+    Raises:
+        InputError: it is not two whole numbers of 1 or more with an x between.
+
+    Examples:
+        >>> parse_tiles("--tiles", "12x20")
+        (12, 20)
+    """
+    try:
+        return parse_size(option, word)
+    except InputError:
+        raise InputError(f"{option}: '{word}' is no number of tiles; write COLUMNSxROWS, as in 12x20") from None
+
+
 def parse_colour(option: str, word: str) -> tuple[float, float, float]:
     """Read "#rrggbb" (or "#rgb"), as colour pickers show it, as sRGB values from 0 to 1, still encoded.
 

@@ -1,6 +1,7 @@
 """What the tiles and joints of a tiling look like, apart from where they are."""
 
 import dataclasses
+import math
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,9 +15,12 @@ from jax import Array
 from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
 from jaxtex.core.errors import InputError
 from jaxtex.material.patterns import ONE_CLASS, Pattern, class_of
+from jaxtex.models.files import TilingFile
+from jaxtex.models.tiling import Tiling
 
 Place = tuple[int, int]
 
+_DEPTH = 0.4  # of the mortar's thickness: joints of brickwork are struck back by 3 to 5 mm of 10
 _JITTER = 0.2  # how far drawn colours stray from the seen ones, in standard deviations of all seen ones
 _EDGE = 1 / 512  # black and white as drawn colours see them: half a step of 8 bits inside
 
@@ -58,17 +62,19 @@ class Appearance:
 
         Examples:
             >>> plain = Appearance(tiles={(0, 0): (0.5, 0.2, 0.1)}, joint=(0.6, 0.6, 0.6))
-            >>> plain.colours([0, 1], [0, 0], key=jax.random.key(0)).round(2).tolist()
-            [[0.5, 0.2, 0.1], [0.5, 0.2, 0.1]]
+            >>> plain.colours([0, 1], [0, 0], key=jax.random.key(0)).round(2)
+            array([[0.5, 0.2, 0.1],
+                   [0.5, 0.2, 0.1]], dtype=float32)
         """
-        course, tile = np.broadcast_arrays(np.asarray(course, dtype=int), np.asarray(tile, dtype=int))
-        drawn = _draw_all(*self._palettes(), class_of(self.pattern, course, tile), course, tile, key)
-        colours = np.array(drawn, dtype=np.float32)
-        for at in np.ndindex(course.shape):
-            own = self.tiles.get((int(course[at]), int(tile[at])))
-            if own is not None:
-                colours[at] = own
-        return colours
+        course, tile = np.broadcast_arrays(np.asarray(course, dtype=np.int64), np.asarray(tile, dtype=np.int64))
+        flat = [pad_table(part.ravel()) for part in (class_of(self.pattern, course, tile), course, tile)]
+        drawn = np.asarray(_draw_all(*self._palettes(), *flat, key))[: course.size]
+        own = np.array(list(self.tiles))
+        numbers, order = np.unique(_one_number(own[:, 0], own[:, 1]), return_index=True)
+        asked = _one_number(course.ravel(), tile.ravel())
+        found = np.minimum(np.searchsorted(numbers, asked), len(numbers) - 1)
+        seen = np.array(list(self.tiles.values()), dtype=np.float32)[order[found]]
+        return np.where((numbers[found] == asked)[:, None], seen, drawn).reshape(*course.shape, 3)
 
     def _palettes(self) -> tuple[npt.NDArray[np.float32], ...]:
         """For each class: logits of the colours seen (padded), how many they are, a root of their covariance."""
@@ -76,11 +82,10 @@ class Appearance:
         seen = _to_logit(np.array(list(self.tiles.values())))
         label = class_of(self.pattern, *places.T)
         groups = [seen[label == k] if (label == k).any() else seen for k in range(1 + max(map(max, self.pattern)))]
-        padded = np.zeros((len(groups), max(map(len, groups)), 3), np.float32)
-        for k, group in enumerate(groups):
-            padded[k, : len(group)] = group
+        longest = max(map(len, groups))
+        padded = np.stack([pad_table(np.pad(group, [(0, longest - len(group)), (0, 0)])) for group in groups])
         roots = np.stack([_covariance_root(group) for group in groups])
-        return padded, np.array([len(group) for group in groups], np.int32), roots.astype(np.float32)
+        return padded.astype(np.float32), np.array([len(group) for group in groups], np.int32), roots.astype(np.float32)
 
     def to_json(self) -> dict[str, Any]:
         """As plain JSON values; colours as sRGB hexadecimal, tiles not seen as null."""
@@ -95,9 +100,39 @@ class Appearance:
         }
 
 
-def plain_appearance(*, tile: float = 0.35, joint: float = 0.6) -> Appearance:
-    """Grey tiles and joints without relief, for tilings of which no photograph tells more; linear light, 0 to 1."""
-    return Appearance(tiles={(0, 0): quantise((tile,) * 3)}, joint=quantise((joint,) * 3))
+def pad_table(table: npt.NDArray) -> npt.NDArray:
+    """A table with zeros after it, up to a power of four: tables of about one length share compiled code."""
+    length = 4 ** math.ceil(math.log(len(table), 4))
+    return np.pad(table, [(0, length - len(table))] + [(0, 0)] * (table.ndim - 1))
+
+
+def _one_number(course: npt.NDArray[np.int64], tile: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    return course * 2**32 + tile
+
+
+def choose_relief(tiling: Tiling) -> tuple[float, float]:
+    """How deep a tiling's joints lie and how far its tiles' edges are rounded, by the thickness of its mortar.
+
+    Returns:
+        (joint_depth, edge_width) of an `Appearance`.
+    """
+    mortar = 0.5 * float(tiling.mortar_x + tiling.mortar_y)
+    shortest = float(tiling.tile_width * np.min(tiling.course_lengths) - tiling.mortar_x)
+    face = min(shortest, float(tiling.tile_height - tiling.mortar_y))
+    return round(_DEPTH * mortar, 3), round(min(_DEPTH * mortar, 0.25 * face), 3)
+
+
+def appearance_of(file: TilingFile) -> Appearance:
+    """The appearance in a model file; grey tiles and lighter joints where it has none.
+
+    Raises:
+        InputError: as `appearance_from_json`.
+    """
+    if file.appearance is not None:
+        return appearance_from_json(file.appearance)
+    depth, edge = choose_relief(file.tiling)
+    tile, joint = quantise((0.3,) * 3), quantise((0.5,) * 3)
+    return Appearance(tiles={(0, 0): tile}, joint=joint, joint_depth=depth, edge_width=edge)
 
 
 def quantise(colour: Sequence[float] | npt.NDArray[np.floating]) -> tuple[float, float, float]:
@@ -112,7 +147,7 @@ def appearance_from_json(data: Mapping[str, Any]) -> Appearance:
         InputError: what is missing or wrong, by its name.
 
     Examples:
-        >>> floor = plain_appearance()
+        >>> floor = Appearance(tiles={(0, 0): quantise((0.5, 0.2, 0.1))}, joint=quantise((0.6, 0.6, 0.6)))
         >>> appearance_from_json(floor.to_json()) == floor
         True
     """
@@ -199,7 +234,7 @@ def _covariance_root(values: npt.NDArray[np.floating]) -> npt.NDArray[np.floatin
 def _draw_all(
     palettes: Array, counts: Array, roots: Array, label: Array, course: Array, tile: Array, key: Array
 ) -> Array:
-    """Colours of all tiles, linear light, [..., 3]."""
+    """Colours of all tiles, linear light, [tile, 3]."""
     means = palettes.sum(axis=1) / counts[:, None]
 
     def draw(label: Array, course: Array, tile: Array) -> Array:
@@ -209,5 +244,4 @@ def _draw_all(
         logit = means[label] + strayed / jnp.sqrt(1 + _JITTER**2)
         return srgb_to_linear(jax.nn.sigmoid(logit))
 
-    flat = jax.vmap(draw)(label.ravel(), course.ravel(), tile.ravel())
-    return flat.reshape(*label.shape, 3)
+    return jax.vmap(draw)(label, course, tile)

@@ -4,7 +4,6 @@ What a pixel shows is the mean over the rectangle it covers, exactly so but for 
 resolution is the larger map with each four pixels averaged.
 """
 
-import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
@@ -16,12 +15,15 @@ import numpy.typing as npt
 from jax import Array
 
 from jaxtex.core.errors import InputError
-from jaxtex.material.appearance import Appearance
+from jaxtex.material.appearance import Appearance, pad_table
 from jaxtex.material.sheet import Sheet
 from jaxtex.models.tiling import Tiling
 
 LONGEST_SIDE = 65_536
 """Larger maps are refused; files of them could hardly be opened."""
+
+MOST_TILES = 4_000_000
+"""More are refused; the ids of up to 16 million would be exact."""
 
 _BAND = 1 << 20  # pixels evaluated at a time
 _FEWEST = 4  # pixels across the narrowest tile
@@ -63,11 +65,11 @@ def render_maps(
         InputError: a size without pixels, beyond `LONGEST_SIDE`, or with too few pixels for the sheet's tiles.
 
     Examples:
-        >>> from jaxtex.material.appearance import plain_appearance
+        >>> grey = Appearance(tiles={(0, 0): (0.3, 0.3, 0.3)}, joint=(0.5, 0.5, 0.5), joint_depth=2.0, edge_width=2.0)
         >>> from jaxtex.material.sheet import lay_sheet
         >>> from jaxtex.models.tiling import make_tiling
         >>> sheet = lay_sheet(make_tiling(tile_width=60, tile_height=20, offset=0.5), tiles=(2, 4))
-        >>> rows = list(render_maps(sheet, plain_appearance(), size=(64, 48), key=jax.random.key(0), band=20))
+        >>> rows = list(render_maps(sheet, grey, size=(64, 48), key=jax.random.key(0), band=20))
         >>> [part.height.shape for part in rows]
         [(20, 64), (20, 64), (8, 64)]
     """
@@ -86,7 +88,10 @@ def _check_size(sheet: Sheet, size: tuple[int, int]) -> None:
         raise InputError(f"{told}: holds no pixels; give at least 1 x 1")
     if max(size) > LONGEST_SIDE:
         raise InputError(f"{told}: is too large; at most {LONGEST_SIDE} pixels to a side can be made")
-    across = size[0] / sheet.columns * float(np.min(sheet.tiling.course_lengths))
+    shortest = float(np.min(sheet.tiling.course_lengths))
+    if sheet.columns / shortest * sheet.rows > MOST_TILES:
+        raise InputError(f"{sheet.columns:g} x {sheet.rows} tiles: are too many; at most {MOST_TILES:,} can be made")
+    across = size[0] / sheet.columns * shortest
     along = size[1] / sheet.rows
     if min(across, along) < _FEWEST:
         raise InputError(
@@ -131,20 +136,14 @@ def _make_material(sheet: Sheet, appearance: Appearance, size: tuple[int, int], 
         tiling=jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), sheet.tiling),
         first_course=jnp.asarray(sheet.first_course - 1, jnp.int32),
         shape=jnp.asarray(table.tile.shape, jnp.int32),
-        first_tile=_padded(table.first),
-        colours=_padded(colours.reshape(-1, 3)),
-        identity=_padded(table.identity.ravel()),
+        first_tile=jnp.asarray(pad_table(table.first)),
+        colours=jnp.asarray(pad_table(colours.reshape(-1, 3))),
+        identity=jnp.asarray(pad_table(table.identity.ravel())),
         joint=jnp.asarray(appearance.joint, jnp.float32),
         relief=jnp.asarray([appearance.joint_depth, appearance.edge_width], jnp.float32),
         roughness=jnp.asarray([appearance.tile_roughness, appearance.joint_roughness], jnp.float32),
         pixel=jnp.asarray([sheet.width / size[0], sheet.height / size[1]], jnp.float32),
     )
-
-
-def _padded(table: npt.NDArray) -> Array:
-    """With zeros up to the next power of four."""
-    length = 4 ** math.ceil(math.log(len(table), 4))
-    return jnp.asarray(np.pad(table, [(0, length - len(table))] + [(0, 0)] * (table.ndim - 1)))
 
 
 def _render_grid(material: _Material, x: Array, y: Array) -> Maps:

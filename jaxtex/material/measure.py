@@ -8,7 +8,7 @@ from jax import Array
 
 from jaxtex.core.colour import linear_to_srgb
 from jaxtex.core.errors import InputError
-from jaxtex.material.appearance import Appearance, Place, quantise
+from jaxtex.material.appearance import Appearance, Place, choose_relief, quantise
 from jaxtex.material.patterns import choose_pattern
 from jaxtex.models.grids import on_grid
 from jaxtex.models.tiling import Tiling
@@ -17,7 +17,6 @@ from jaxtex.photo.pictures import check_picture
 MOST_TILES = 4096
 """More tiles than this are not kept each with its own colour: a person should be able to read the model file."""
 
-_DEPTH = 0.4  # of the mortar's thickness: joints of brickwork are struck back by 3 to 5 mm of 10
 _MARGIN = 1.5  # pixels next to a joint in which photographs mix the two
 
 
@@ -58,15 +57,13 @@ def measure_appearance(pixels: npt.ArrayLike, tiling: Tiling, *, mask: npt.Array
         picture, np.asarray(seen.in_joint), np.zeros_like(evidence) if mask is None else evidence, tiles
     )
     places, colours = np.array(list(tiles)), np.array(list(tiles.values()))
-    mortar = 0.5 * float(tiling.mortar_x + tiling.mortar_y)
-    shortest = float(tiling.tile_width * jnp.min(tiling.course_lengths) - tiling.mortar_x)
-    face = min(shortest, float(tiling.tile_height - tiling.mortar_y))
+    depth, edge = choose_relief(tiling)
     return Appearance(
         tiles=_thin(tiles),
         joint=joint,
         pattern=choose_pattern(places[:, 0], places[:, 1], linear_to_srgb(np.clip(colours, 0, 1))),
-        joint_depth=round(_DEPTH * mortar, 3),
-        edge_width=round(min(_DEPTH * mortar, 0.25 * face), 3),
+        joint_depth=depth,
+        edge_width=edge,
     )
 
 

@@ -2,14 +2,16 @@
 
 import dataclasses
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 
 from jaxtex.core.errors import InputError
 from jaxtex.material.patterns import ONE_CLASS, Pattern, class_of
+from jaxtex.models.files import TilingFile
 from jaxtex.models.tiling import Tiling
 
 _TOLERANCE = 0.01  # of a tile: what a length or a course's shift may give way so that the bond repeats
@@ -37,7 +39,8 @@ class Sheet:
     """A rectangle of a tiling laid upright: courses horizontal, perspective gone.
 
     Attributes:
-        tiling: the tiling with angle 0, origin (0, 0) and no homography; tiles and courses keep their numbers.
+        tiling: the tiling with angle 0, origin (0, 0) and no homography; tiles and courses keep their numbers. Its
+            leaves are NumPy arrays in double precision.
         corner: lattice point (x, y) of the sheet's upper left corner, in plane pixels.
         columns: its width in units of ``tile_width``.
         rows: its height in courses.
@@ -61,6 +64,11 @@ class Sheet:
     def height(self) -> float:
         """In plane pixels."""
         return self.rows * float(self.tiling.tile_height)
+
+    @property
+    def natural_size(self) -> tuple[int, int]:
+        """(width, height) in pixels of maps that are as large as the tiles are in the photograph."""
+        return max(1, round(self.width)), max(1, round(self.height))
 
     @property
     def first_course(self) -> int:
@@ -129,7 +137,10 @@ def lay_sheet(
     if min(columns, rows) < 1:
         raise InputError(f"a sheet of {columns} x {rows} tiles shows nothing; give at least 1 x 1")
     upright = dataclasses.replace(
-        tiling, angle=jnp.zeros(()), origin=jnp.zeros(2), homography=jnp.eye(3, dtype=tiling.homography.dtype)
+        jax.tree.map(lambda leaf: np.asarray(leaf, dtype=np.float64), tiling),
+        angle=np.zeros(()),
+        origin=np.zeros(2),
+        homography=np.eye(3),
     )
     width = float(columns)
     changes: tuple[str, ...] = ()
@@ -148,18 +159,24 @@ def lay_sheet(
     )
 
 
-def corner_in_photo(tiling: Tiling, *, photo: tuple[int, int], tiles: tuple[int, int]) -> tuple[float, float]:
-    """The lattice point at which a sheet of `tiles` begins that has the photograph's middle in its middle.
+def lay_photographed_sheet(
+    file: TilingFile, *, tiles: tuple[int, int] | None = None, seamless: bool = False, pattern: Pattern = ONE_CLASS
+) -> Sheet:
+    """Lay the sheet that the photograph of a model file shows.
 
     Args:
-        photo: (width, height) of the photograph in pixels.
-        tiles: (columns, rows) that the photograph shows.
+        file: the model file's content.
+        tiles: (columns, rows), from the photograph's upper left tile on. Default: as many as the photograph shows.
+        seamless, pattern: as in `lay_sheet`.
 
-    Returns:
-        The point to give to `lay_sheet` as `near`.
+    Raises:
+        InputError: as `lay_sheet`.
     """
-    x, y = tiling.to_lattice(jnp.array([0.5 * photo[0], 0.5 * photo[1]], dtype=tiling.origin.dtype)).tolist()
-    return x - 0.5 * tiles[0] * float(tiling.tile_width), y - 0.5 * tiles[1] * float(tiling.tile_height)
+    shown = (file.columns, file.rows)
+    x, y = file.tiling.to_lattice(jnp.array([0.5 * file.image.width, 0.5 * file.image.height])).tolist()
+    pitch = float(file.tiling.tile_width), float(file.tiling.tile_height)
+    near = x - 0.5 * shown[0] * pitch[0], y - 0.5 * shown[1] * pitch[1]
+    return lay_sheet(file.tiling, tiles=tiles or shown, seamless=seamless, near=near, pattern=pattern)
 
 
 class _Lattice:
@@ -204,10 +221,8 @@ def _close(tiling: Tiling, columns: int, rows: int, pattern: Pattern) -> tuple[T
     cycle, slips = _courses_to_repeat(lattice, step, width / repeats, pattern)
     closed_rows = -(-rows // cycle) * cycle
     offset = slips * step / cycle
-    dtype = tiling.offset.dtype
-    closed = dataclasses.replace(
-        tiling, offset=jnp.asarray(offset, dtype=dtype), course_lengths=jnp.asarray(lengths, dtype=dtype)
-    )
+    leaves: dict[str, Any] = {"offset": np.asarray(offset), "course_lengths": lengths}
+    closed = dataclasses.replace(tiling, **leaves)
     changes = [f"{columns} columns became {width:g}"] if not math.isclose(width, columns) else []
     changes += [f"{rows} courses became {closed_rows}"] if closed_rows != rows else []
     changes += [f"the offset {lattice.offset:.4g} became {offset:.4g}"] if abs(offset - lattice.offset) > 1e-6 else []
