@@ -118,8 +118,9 @@ class Tiling(eqx.Module):
         1 inside tiles, 0 inside joints wider than the spot; smooth and differentiable in every parameter. For square
         corners and one scale all over the spot it is the exact convolution of the binary mask with the Gaussian, so a
         mask blurred by the same amount can be compared with it at every scale without bias. At rounded corners it is
-        within 0.01 for radii up to 0.4 of a tile's shorter side. `blur` must be > 0; the spot is taken to reach only
-        the nearest bed joint and head joints, so keep it below a quarter of a tile's shorter side.
+        within 0.01 for radii up to 0.4 of a tile's shorter side, and within 0.03 where the homography stretches one
+        direction by a quarter more than the other. `blur` must be > 0; the spot is taken to reach only the nearest bed
+        joint and head joints, so keep it below a quarter of a tile's shorter side.
         """
         square = self.square_coverage(point, blur=blur)
         # A radius of a hundredth of the spot takes away 1e-5 at most. The answer is one for all points, so that under

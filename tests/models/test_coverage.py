@@ -109,6 +109,17 @@ def test_perspective_and_shear_stretch_the_spot():
         assert error_of(wall, 0.7) < 0.02
 
 
+def test_corners_of_a_stretched_picture_are_close_too():
+    with jax.enable_x64():
+        walls = [
+            make_tiling(
+                tile_width=21.0, tile_height=12.0, homography=np.diag(view), corner_radius=4.0, **WALLS["upright"]
+            )
+            for view in ((1.15, 0.9, 1.0), (0.9, 1.15, 1.0))
+        ]
+        assert max(error_of(wall, 0.8) for wall in walls) < 0.05
+
+
 def test_blur_may_reach_a_quarter_of_the_tile():
     with jax.enable_x64():
         wall = make_tiling(tile_width=20.0, tile_height=12.0, mortar_x=3.0, mortar_y=3.0, offset=0.5, angle=0.3)

@@ -136,6 +136,20 @@ def test_lengths_are_those_of_the_image_at_the_centre():
         np.testing.assert_allclose(q, old, atol=1e-9)
 
 
+def test_scale_and_rotation_move_into_all_lengths():
+    with jax.enable_x64():
+        c, s = 1.7 * math.cos(0.4), 1.7 * math.sin(0.4)
+        wall = make_wall(homography=[[c, -s, 30.0], [s, c, -50.0], [0, 0, 1]], corner_radius=2.0)
+        view = normalise(wall, CENTRE)
+        for name in ("tile_width", "tile_height", "mortar_x", "mortar_y", "corner_radius"):
+            np.testing.assert_allclose(getattr(view, name), getattr(wall, name) / 1.7, rtol=1e-12)
+        np.testing.assert_allclose(view.angle, 0.3 - 0.4, atol=1e-12)
+        np.testing.assert_allclose(view.homography, np.eye(3), atol=1e-12)
+        np.testing.assert_allclose(
+            soft_mask(view, jnp.asarray(POINTS)), soft_mask(wall, jnp.asarray(POINTS)), atol=1e-8
+        )
+
+
 def test_views_are_differentiable():
     with jax.enable_x64():
         wall = make_wall(homography=perspective_homography((10.0, 20.0), (2e-3, 1e-3), 0.2, 0.1))
