@@ -16,6 +16,7 @@ from jaxtex.photo.lattice import Lattice, joint_distances, to_strips
 from jaxtex.photo.scanlines import scan_courses
 
 WORKING_SIZE = 512
+_ROUNDS = 2
 _SHRINKAGE = 0.02  # of the within-class covariance towards its diagonal
 
 
@@ -27,15 +28,22 @@ class Reading(NamedTuple):
     lattices: list[Lattice]
 
 
-def read_tiling(evidence: Evidence, *, perspective: bool = True, rounds: int = 2) -> Reading:
-    """Find lattices in the evidence, learn from the best what joints look like, and look again in what was learnt."""
+def read_tiling(evidence: Evidence, *, perspective: bool = True, learn: bool = True) -> Reading:
+    """Find lattices in the evidence, learn from the best what joints look like, and look again in what was learnt.
+
+    Without ``learn`` the only feature is itself the probability of a joint: the user's mask.
+    """
     lattices = find_lattices(evidence.joints, perspective=perspective)
+    if not learn:
+        return Reading(evidence.features[..., 0], lattices)
     joint = np.full(evidence.features.shape[:2], 0.5, np.float32)
-    for _ in range(rounds):
+    for _ in range(_ROUNDS):
         if not lattices:
             break
-        joint = learn_joints(evidence.features, lattices[0])
-        lattices = find_lattices({"learnt": joint - joint.mean()}, perspective=perspective, per_map=4)
+        odds = learn_joints(evidence.features, lattices[0])
+        joint = 1 / (1 + np.exp(-odds))
+        # In the odds, unlike in the probability, faint joints still stand out.
+        lattices = find_lattices({"learnt": odds - odds.mean()}, perspective=perspective, per_map=4)
     return Reading(joint, lattices)
 
 
@@ -47,7 +55,7 @@ def find_lattices(joints: dict[str, Map], *, perspective: bool = True, per_map: 
 
 
 def learn_joints(features: Map, lattice: Lattice) -> Map:
-    """Probability (H, W) that a pixel is joint: a linear discriminant of ``features`` (H, W, F) taught by a lattice."""
+    """Log-odds (H, W) that a pixel is joint, within +-8: a linear discriminant of ``features`` (H, W, F) taught by a lattice."""
     height, width = features.shape[:2]
     x, y = np.meshgrid(np.arange(width) + 0.5 - width / 2, np.arange(height) + 0.5 - height / 2)
     head, bed = joint_distances(lattice, *to_strips(lattice, x, y))
@@ -56,14 +64,14 @@ def learn_joints(features: Map, lattice: Lattice) -> Map:
     spread = (spread - spread.mean(0)) / np.maximum(spread.std(0), 1e-6)
     is_joint, is_tile = (near < 0.3).ravel(), (near > 0.9).ravel()
     if is_joint.sum() < 30 or is_tile.sum() < 30:
-        return np.full((height, width), 0.5, np.float32)
+        return np.zeros((height, width), np.float32)
     joint, tile = spread[is_joint], spread[is_tile]
     within = (np.cov(joint.T) + np.cov(tile.T)) / 2
     within = np.atleast_2d(within)
     within = within + _SHRINKAGE * np.diag(np.diag(within) + 1e-3)
     direction = np.linalg.solve(within, joint.mean(0) - tile.mean(0))
     odds = (spread - (joint.mean(0) + tile.mean(0)) / 2) @ direction
-    return (1 / (1 + np.exp(-np.clip(odds, -30, 30)))).reshape(height, width).astype(np.float32)
+    return np.clip(odds, -8, 8).reshape(height, width).astype(np.float32)
 
 
 def auto_mask(pixels: NDArray[np.floating]) -> NDArray[np.bool_]:

@@ -21,6 +21,7 @@ _MARGIN = 0.22  # share of a course's height at either side that may belong to t
 _FEWEST_TILES = 1.3  # tiles along the longest scanline
 _WIDTHS = 4  # tile widths tried for each lean
 _TOLD_APART = 25  # pixels of a map that count as one independent measurement
+_ALIGNED = 0.05  # courses closer than this (median, in tiles) to a regular bond are laid in it, by a human hand
 _JOINT_SHARES = (0.06, 0.12, 0.24)  # joint thickness tried, as a share of the course's height
 
 Array = NDArray[np.float64]
@@ -115,12 +116,20 @@ def find_widths(scanlines: Scanlines) -> list[tuple[int, float]]:
                 break
             found.append((lean, scanlines.size / (bins[peak] + _vertex(combs[lean], peak))))
             comb[max(peak - 2, 0) : peak + 3] = -np.inf
+        # Courses of headers can drown the stretchers' own frequency.
+        double = 2 * found[-_WIDTHS][1] if len(found) >= _WIDTHS else np.inf
+        if double < scanlines.length.max() / _FEWEST_TILES:
+            found.append((lean, double))
     return found
 
 
 def guess_bonds(scanlines: Scanlines, lean: int, width: float, response: Array) -> list[Bond]:
     """One guess per kind of bond: common offset, English, Flemish, and every course by itself."""
-    bonds = [_regular(scanlines, response, np.ones((1, 1))), _irregular(scanlines, response)]
+    regular = _regular(scanlines, response, np.ones((1, 1)))
+    bonds = [regular]
+    irregular, deviation = _irregular(scanlines, response, regular)
+    if deviation > _ALIGNED:
+        bonds.append(irregular)
     if len(scanlines.number) >= 4 and width >= 12:
         headers = _respond(scanlines, lean, width / 2, (1.0,))
         bonds.append(_english(scanlines, response, headers))
@@ -184,14 +193,19 @@ def _english(scanlines: Scanlines, stretchers: Array, headers: Array) -> Bond:
     return Bond("english", long_phase, 0.0, offsets, lengths, _explained(stretchers, total))
 
 
-def _irregular(scanlines: Scanlines, response: Array) -> Bond:
+def _irregular(scanlines: Scanlines, response: Array, regular: Bond) -> tuple[Bond, float]:
+    """Every course at its own best phase, and how far (median, in tiles) that is from the regular bond."""
     first, count = int(scanlines.number[0]), int(np.ptp(scanlines.number)) + 1
     phases = np.zeros(count)
-    phases[scanlines.number - first] = np.argmax(response[:, :-1], axis=1) / _PHASES
+    best = np.argmax(response[:, :-1], axis=1) / _PHASES
+    phases[scanlines.number - first] = best
+    aside = best - regular.phase - regular.offset * scanlines.number
+    deviation = float(np.median(np.abs(aside - np.round(aside))))
     # Entry j mod C belongs to course j.
     offsets = np.roll((phases - phases[0]) % 1.0, first % count)
     total = float(response[:, :-1].max(1).sum())
-    return Bond("irregular", float(phases[0]), 0.0, offsets, np.ones((1, 1)), _explained(response, total))
+    bond = Bond("irregular", float(phases[0]), 0.0, offsets, np.ones((1, 1)), _explained(response, total))
+    return bond, deviation
 
 
 def _to_lattice(guess: tuple[Bond, int, float], strips: Strips, courses: Courses) -> Lattice:

@@ -1,0 +1,107 @@
+"""A fitted vector -> the tiling in the photograph's own pixels, with its name and its errors."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from jaxtex.fitting.parameters import build_tiling, place, read_free
+from jaxtex.fitting.refine import Fitted
+from jaxtex.fitting.start import Start
+from jaxtex.fitting.verdict import to_lattice
+from jaxtex.models.canonical import canonical, nearest_node
+from jaxtex.models.perspective import normalise_view
+from jaxtex.models.tiling import Tiling
+
+Array = NDArray[np.float64]
+
+_SAME_BOND = 0.04  # tiles: offsets this near to none or to a half are called stack or running
+
+
+def tiling_of(free: Array, start: Start, size: tuple[int, int]) -> Tiling:
+    """The tiling of a vector found in the working picture, in a photograph of ``size`` (width, height) pixels."""
+    scale = max(size) / max(start.size)
+    with jax.enable_x64():
+        tiling = build_tiling(jnp.asarray(free), jnp.asarray(start.course_lengths), jnp.asarray(start.size) / 2)
+        tiling = jax.tree.map(lambda leaf: np.asarray(leaf, float), tiling)
+    grow = np.diag([scale, scale, 1.0])
+    tiling = dataclasses.replace(
+        tiling,
+        **{name: getattr(tiling, name) * scale for name in ("tile_width", "tile_height", "mortar_x", "mortar_y")},
+        origin=tiling.origin * scale,
+        homography=_exact(grow @ tiling.homography @ np.linalg.inv(grow)),
+        corner_radius=np.zeros(()),
+        bond=name_bond(free, start.kind),
+    )
+    if start.kind == "irregular":
+        tiling = _visible_courses(tiling, size)
+    centre = np.asarray(size) / 2
+    tiling = canonical(tiling)
+    if not np.array_equal(tiling.homography, np.eye(3)):
+        with jax.enable_x64():
+            tiling = jax.tree.map(lambda leaf: np.asarray(leaf, float), normalise_view(tiling, centre))
+    return nearest_node(tiling, centre)
+
+
+def name_bond(free: Array, kind: str) -> str:
+    """What masons call it."""
+    if kind != "regular":
+        return kind
+    fraction = free[place("offset")] % 1.0
+    if min(fraction, 1.0 - fraction) < _SAME_BOND:
+        return "stack"
+    return "running" if abs(fraction - 0.5) < _SAME_BOND else "raking"
+
+
+def standard_errors(fitted: Fitted, size: tuple[int, int]) -> dict[str, float]:
+    """One standard deviation of each parameter that moved, in the units of the model file."""
+    scale = max(size) / max(fitted.start.size)
+    values = read_free(fitted.free)[0]
+    # By how much a free number stands for a change of what the file holds.
+    units = {
+        "tile_width": values["tile_width"] * scale,
+        "tile_height": values["tile_height"] * scale,
+        "angle": float(np.degrees(1.0)),
+        "mortar_x": scale * -np.expm1(-values["mortar_x"]),
+        "mortar_y": scale * -np.expm1(-values["mortar_y"]),
+        "offset": 1.0,
+        "origin_x": scale,
+        "origin_y": scale,
+        "tilt_x": 1 / scale,
+        "tilt_y": 1 / scale,
+        "shear": 1.0,
+    }
+    variance = fitted.variance[[place(name) for name in units]]
+    errors = {
+        name: float(np.sqrt(one)) * unit
+        for (name, unit), one in zip(units.items(), variance, strict=True)
+        if one > 0
+    }
+    return {"angle_deg" if name == "angle" else name: error for name, error in errors.items()}
+
+
+def count_tiles(tiling: Tiling, size: tuple[int, int]) -> tuple[int, int]:
+    """Courses, and tiles along a course, that a picture of ``size`` (width, height) shows, to the nearest whole."""
+    width, height = size
+    middle = np.array([[0.0, height / 2], [width, height / 2], [width / 2, 0.0], [width / 2, height]])
+    qx, qy = to_lattice(tiling, middle[:, 0], middle[:, 1])
+    along, across = float(np.ptp(qx)), float(np.ptp(qy))
+    mean_length = float(tiling.tile_width) * float(np.mean(tiling.course_lengths))
+    return max(round(across / float(tiling.tile_height)), 1), max(round(along / mean_length), 1)
+
+
+def _visible_courses(tiling: Tiling, size: tuple[int, int]) -> Tiling:
+    """Keep the offsets of the courses that the picture shows; beyond it they repeat."""
+    corners = np.array([[0.0, 0.0], [size[0], 0], [size[0], size[1]], [0, size[1]]])
+    across = to_lattice(tiling, corners[:, 0], corners[:, 1])[1] / float(tiling.tile_height)
+    courses = np.arange(int(np.floor(across.min())), int(np.ceil(across.max())))
+    offsets = np.zeros(len(courses))
+    offsets[courses % len(courses)] = np.asarray(tiling.course_offsets)[courses % len(tiling.course_offsets)]
+    return dataclasses.replace(tiling, course_offsets=offsets)
+
+
+def _exact(homography: Array) -> Array:
+    homography = homography / homography[2, 2]
+    return np.eye(3) if np.allclose(homography, np.eye(3), rtol=0, atol=1e-13) else homography

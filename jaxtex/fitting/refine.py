@@ -1,0 +1,157 @@
+"""From the starts to one fitted tiling: coarse to fine, with the Bayesian information criterion as the judge.
+
+Double precision is switched on here, and here only, for as long as a solve lasts.
+"""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from jaxtex.fitting.parameters import SCALARS, VIEW, place, read_free, to_free
+from jaxtex.fitting.solve import Observation, Problem, solve_one
+from jaxtex.fitting.start import Start
+from jaxtex.fitting.wrap import repeat_with_picture
+
+Array = NDArray[np.float64]
+
+# Pixels used by a solve: sizes are few, so that pictures of all sizes share compilations.
+_COARSE, _FINE = 1 << 14, 1 << 16
+# A seamless picture's own period is believed unless it explains the mask worse than this ratio of squared residuals.
+_REPEATS = 1.2
+
+
+class Fitted(NamedTuple):
+    """A start's end: the ``free`` vector (P,) and its ``variance`` (P,); the ``start`` it came from; ``criterion``, the
+    Bayesian information criterion of the fit (lower is better); ``mean_square`` residual."""
+
+    free: Array
+    variance: Array
+    start: Start
+    criterion: float
+    mean_square: float
+
+
+def refine_all(starts: list[Start], joint: NDArray[np.float32], *, wraps: tuple[bool, bool]) -> Fitted:
+    """The best of several starts on a map of joints (H, W) of the working picture, refined coarse to fine."""
+    pitch = min(shortest_pitch(start) for start in starts)
+    blur = float(np.clip(0.08 * pitch, 1.5, 6.0))
+    coarse = observe(joint, starts[0].size, blur=blur, tolerance=0.5, budget=_COARSE)
+    ended = sorted((refine(start, coarse) for start in starts), key=lambda fitted: fitted.criterion)
+    pitch = shortest_pitch(ended[0].start)
+    blur = float(np.clip(0.04 * pitch, 0.8, 1.5))
+    seen = observe(joint, starts[0].size, blur=blur, tolerance=0.3, budget=_FINE)
+    # Only ends that the coarse level can hardly tell apart are worth the fine one.
+    close = [fitted for fitted in ended[:2] if fitted.criterion < ended[0].criterion + 0.05 * abs(ended[0].criterion)]
+    best = _best(_go_on(fitted, seen) for fitted in close)
+    repeated = _repeat(best, seen, wraps)
+    return repeated if repeated is not None else _choose_view(_choose_bond(best, seen), seen)
+
+
+def refine(start: Start, seen: Observation) -> Fitted:
+    """One solve from one start."""
+    with jax.enable_x64():
+        problem = Problem(
+            free=jnp.asarray(start.free, float),
+            scale=jnp.asarray(start.scale, float),
+            moving=jnp.asarray(start.moving, float),
+            centre=jnp.asarray(np.asarray(start.size) / 2, float),
+            course_lengths=jnp.asarray(start.course_lengths, float),
+            observation=Observation(*(jnp.asarray(part, float) for part in seen)),
+        )
+        solution = jax.device_get(solve_one(problem))
+    free = np.asarray(solution.free)
+    mean_square = float(solution.cost) / max(int(solution.count), 1)
+    return Fitted(free, np.asarray(solution.variance), start, criterion(mean_square, free, start), mean_square)
+
+
+def criterion(mean_square: float, free: Array, start: Start) -> float:
+    """Bayesian information criterion of a fit with this mean squared residual.
+
+    Misfit is not pixel noise: it comes joint by joint, as tiles are laid by hand. So every tile counts as four
+    measurements, the place and the direction of its two joints.
+    """
+    width, height = np.exp(free[place("tile_width")]), np.exp(free[place("tile_height")])
+    tiles = start.size[0] * start.size[1] / max(float(width * height * start.course_lengths.mean()), 1.0)
+    independent = max(4.0 * tiles, 20.0)
+    return float(independent * np.log(max(mean_square, 1e-12)) + start.moving.sum() * np.log(independent))
+
+
+def observe(
+    joint: NDArray[np.float32], size: tuple[float, float], *, blur: float, tolerance: float, budget: int
+) -> Observation:
+    """At most ``budget`` points of a map (H, W) that stands for a picture of ``size`` (width, height) pixels."""
+    height, width = joint.shape
+    smooth = ndimage.gaussian_filter(np.asarray(joint, float), blur, mode="nearest", truncate=4.0)
+    stride = int(np.ceil(np.sqrt(height * width / budget)))
+    rows, columns = np.mgrid[stride // 2 : height : stride, stride // 2 : width : stride]
+    x = (columns.ravel() + 0.5) * (size[0] / width)
+    y = (rows.ravel() + 0.5) * (size[1] / height)
+    # Beyond the border the blur had to guess.
+    margin = 1.5 * blur
+    known = (x > margin) & (y > margin) & (x < size[0] - margin) & (y < size[1] - margin)
+    extra = budget - len(x)
+    # A pixel is itself a blur: a box of unit variance 1/12.
+    return Observation(
+        points=np.pad(np.stack([x, y], 1), ((0, extra), (0, 0))),
+        joint=np.pad(smooth[rows, columns].ravel(), (0, extra)),
+        weight=np.pad(known.astype(float), (0, extra)),
+        blur=np.sqrt(blur**2 + 1 / 12),
+        tolerance=np.asarray(tolerance),
+    )
+
+
+def shortest_pitch(start: Start) -> float:
+    """The shortest side of a tile, in pixels."""
+    width, height = np.exp(start.free[place("tile_width")]), np.exp(start.free[place("tile_height")])
+    return float(min(width * start.course_lengths.min(), height))
+
+
+def _best(candidates: Iterable[Fitted]) -> Fitted:
+    return min(candidates, key=lambda fitted: fitted.criterion)
+
+
+def _go_on(fitted: Fitted, seen: Observation, **held: float) -> Fitted:
+    """Solve again from where a solve ended, with some parameters now held at natural values."""
+    values, offsets = read_free(fitted.free)
+    moving = fitted.start.moving.copy()
+    moving[[place(name) for name in held]] = 0.0
+    free = np.where(np.isin(SCALARS + ("",) * len(offsets), list(held)), to_free(values | held, offsets), fitted.free)
+    return refine(fitted.start._replace(free=free, moving=moving), seen)
+
+
+def _repeat(fitted: Fitted, seen: Observation, wraps: tuple[bool, bool]) -> Fitted | None:
+    """The fit that repeats with a seamless picture, if it explains the mask about as well."""
+    values = read_free(fitted.free)[0]
+    start = fitted.start
+    if not any(wraps) or any(values[name] for name in VIEW):
+        return None
+    period = repeat_with_picture(values, start.size, wraps, start.kind)
+    names = ("tile_width", "tile_height", "angle", "offset")
+    if period is None or not all(start.moving[place(name)] for name in names[:3]):
+        return None
+    repeated = _go_on(fitted, seen, **{name: period[name] for name in names})
+    return repeated if repeated.mean_square < _REPEATS * fitted.mean_square else None
+
+
+def _choose_view(fitted: Fitted, seen: Observation) -> Fitted:
+    """Let perspective and shear move where they were held, and keep that only if the criterion says so."""
+    view = [place(name) for name in VIEW]
+    if not fitted.start.perspective or fitted.start.moving[view].any():
+        return fitted
+    moving = fitted.start.moving.copy()
+    moving[view] = 1.0
+    return _best([fitted, refine(fitted.start._replace(free=fitted.free, moving=moving), seen)])
+
+
+def _choose_bond(fitted: Fitted, seen: Observation) -> Fitted:
+    """Hold the offset at none or a half if the criterion finds that as good as a free one."""
+    at = place("offset")
+    half = np.round(2 * fitted.free[at]) / 2
+    if fitted.start.kind != "regular" or not fitted.start.moving[at] or abs(fitted.free[at] - half) > 0.06:
+        return fitted
+    return _best([fitted, _go_on(fitted, seen, offset=float(half))])

@@ -1,0 +1,177 @@
+"""Photograph of a tiled surface -> fitted tiling: the whole way, step by step.
+
+Lefebvre & Poulin 2000, section 2, with the user's clicking replaced: evidence and a learnt mask (:mod:`jaxtex.photo`),
+the paper's spectrum and scanlines as the start, and least squares on the mask as the end.
+"""
+
+import dataclasses
+import time
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from skimage import transform
+
+from jaxtex.core.errors import InputError
+from jaxtex.fitting.choices import apply_choices, check_choices
+from jaxtex.fitting.outcome import count_tiles, standard_errors, tiling_of
+from jaxtex.fitting.refine import refine_all
+from jaxtex.fitting.start import Start, start_fit
+from jaxtex.fitting.verdict import judge_fit
+from jaxtex.models.tiling import Tiling, make_tiling
+from jaxtex.photo.automask import WORKING_SIZE, Reading, read_tiling
+from jaxtex.photo.evidence import find_evidence, mask_evidence, shrink
+from jaxtex.photo.seamless import find_wrap
+
+_STARTS = 4  # lattices worth a solve
+_WORTH = 0.7  # of the best lattice's score
+_SMALLEST = 32  # pixels
+
+Report = Callable[[float, float], None]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class TilingFit:
+    """What :func:`fit_tiling` found.
+
+    ``ok`` is False where the picture shows no rectangular tiling or none was found; ``reason`` says why, and the other
+    entries are the best guess. ``tiling``: the model, in pixels of the photograph; ``start``: what the spectrum and the
+    scanlines gave, before least squares. ``mask`` [H, W]: the observed mask, 1 on tiles. ``rows``, ``columns``: courses
+    and tiles per course in the photograph. ``iou``: intersection over union of observed and rendered mask, mean of tiles
+    and joints. ``standard_errors``: by parameter, one standard deviation. ``evidence``: typical contrast of the predicted
+    bed and head joints in the mask. ``seconds`` spent, by step.
+    """
+
+    ok: bool
+    reason: str
+    tiling: Tiling
+    start: Tiling
+    mask: NDArray[np.float32]
+    rows: int
+    columns: int
+    iou: float
+    standard_errors: dict[str, float]
+    evidence: dict[str, float]
+    seconds: dict[str, float]
+
+
+def fit_tiling(
+    photo: NDArray[np.floating],
+    *,
+    mask: NDArray[np.floating] | None = None,
+    perspective: bool = True,
+    fix: Mapping[str, float] | None = None,
+    init: Mapping[str, float] | None = None,
+    report: Report | None = None,
+) -> TilingFit:
+    """Fit a tiling to a photograph of a tiled wall, floor or facade.
+
+    Parameters
+    ----------
+    photo
+        Linear [H, W], [H, W, 1] or [H, W, 3], at least 32 x 32; any orientation and moderate perspective.
+    mask
+        The user's own mask [H, W], 1 on tiles and 0 on joints, in place of the automatic one.
+    perspective
+        Whether the view may be found to be oblique; False keeps the homography at the identity.
+    fix, init
+        Parameters held at, or started from, given values, in the units of the model file: ``tile_width``,
+        ``tile_height``, ``angle_deg``, ``mortar_x``, ``mortar_y``, ``offset``, ``origin_x``, ``origin_y``.
+    report
+        Called with (done, total) as the work goes on.
+
+    Raises
+    ------
+    InputError
+        A picture or mask of the wrong shape, too small, or not finite; an unknown parameter or a value out of range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> y, x = np.mgrid[0:128, 0:128] + 0.5
+    >>> wall = 0.2 + 0.6 * ((y % 16 > 3) & ((x + 16 * (y // 16 % 2)) % 32 > 3))
+    >>> fit = fit_tiling(wall)
+    >>> fit.ok, fit.tiling.bond, round(float(fit.tiling.tile_height), 1)
+    (True, 'running', 16.0)
+    """
+    tell = report or (lambda done, total: None)
+    photo, mask = _check_picture(photo, mask)
+    check_choices(fix or {}, init or {})
+    height, width = photo.shape[:2]
+    clock = [time.perf_counter()]
+    tell(0, 4)
+    working = shrink(photo, WORKING_SIZE)
+    evidence = find_evidence(working) if mask is None else mask_evidence(shrink(mask, WORKING_SIZE))
+    tell(1, 4)
+    reading = read_tiling(evidence, perspective=perspective, learn=mask is None)
+    clock.append(time.perf_counter())
+    tell(2, 4)
+    if not reading.lattices:
+        return _nothing(photo.shape[:2], reading, "nothing in the picture repeats like courses of tiles")
+    starts = _choose_starts(reading, (width, height), perspective)
+    starts = [apply_choices(start, (width, height), fix or {}, init or {}) for start in starts]
+    fitted = refine_all(starts, reading.joint, wraps=find_wrap(working) if mask is None else (False, False))
+    clock.append(time.perf_counter())
+    tell(3, 4)
+    tiling = tiling_of(fitted.free, fitted.start, (width, height))
+    working_size = (reading.joint.shape[1], reading.joint.shape[0])
+    verdict = judge_fit(tiling_of(fitted.free, fitted.start, working_size), reading.joint)
+    rows, columns = count_tiles(tiling, (width, height))
+    tell(4, 4)
+    return TilingFit(
+        ok=verdict.ok,
+        reason=verdict.reason,
+        tiling=tiling,
+        start=tiling_of(fitted.start.first, fitted.start, (width, height)),
+        mask=_enlarge(reading.joint, (height, width)),
+        rows=rows,
+        columns=columns,
+        iou=verdict.iou,
+        standard_errors=standard_errors(fitted, (width, height)),
+        evidence={"beds": verdict.beds, "heads": verdict.heads},
+        seconds={"start": clock[1] - clock[0], "refine": clock[2] - clock[1], "all": time.perf_counter() - clock[0]},
+    )
+
+
+def _check_picture(
+    photo: NDArray[np.floating], mask: NDArray[np.floating] | None
+) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
+    photo = np.asarray(photo)
+    if photo.ndim == 2:
+        photo = photo[..., None]
+    if photo.ndim != 3 or photo.shape[2] not in (1, 3):
+        raise InputError(f"the photograph has shape {photo.shape}; it must be [H, W], [H, W, 1] or [H, W, 3]")
+    if min(photo.shape[:2]) < _SMALLEST:
+        raise InputError(f"the photograph has {photo.shape[1]} x {photo.shape[0]} pixels; {_SMALLEST} x {_SMALLEST} at least")
+    if not np.isfinite(photo).all():
+        raise InputError(f"the photograph holds {int((~np.isfinite(photo)).sum())} numbers that are not finite")
+    if mask is None:
+        return photo.astype(np.float32), None
+    mask = np.asarray(mask, np.float32)
+    if mask.shape != photo.shape[:2]:
+        raise InputError(f"the mask has shape {mask.shape}; it must be that of the photograph, {photo.shape[:2]}")
+    if not np.isfinite(mask).all() or mask.min() < 0 or mask.max() > 1:
+        raise InputError("the mask must lie between 0 (joint) and 1 (tile)")
+    if mask.max() - mask.min() < 0.5:
+        raise InputError("the mask is the same everywhere; it must be 1 on tiles and 0 on joints")
+    return photo.astype(np.float32), mask
+
+
+def _choose_starts(reading: Reading, size: tuple[int, int], perspective: bool) -> list[Start]:
+    scale = max(reading.joint.shape) / max(size)
+    working = (size[0] * scale, size[1] * scale)
+    best = reading.lattices[0].score
+    worth = [lattice for lattice in reading.lattices if lattice.score >= _WORTH * best][:_STARTS]
+    return [start_fit(lattice, working, perspective=perspective) for lattice in worth]
+
+
+def _enlarge(joint: NDArray[np.float32], shape: tuple[int, int]) -> NDArray[np.float32]:
+    return 1.0 - transform.resize(joint, shape, order=1).astype(np.float32)
+
+
+def _nothing(shape: tuple[int, int], reading: Reading, reason: str) -> TilingFit:
+    """No guess at all: one tile as large as the picture."""
+    height, width = shape
+    tile = make_tiling(tile_width=float(width), tile_height=float(height), bond="stack")
+    mask = _enlarge(reading.joint, shape)
+    return TilingFit(False, reason, tile, tile, mask, 1, 1, 0.0, {}, {"beds": 0.0, "heads": 0.0}, {})

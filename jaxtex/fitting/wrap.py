@@ -1,0 +1,51 @@
+"""What a seamless picture adds: its tiling must repeat with it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_NEAR_WHOLE = 0.12  # tiles: further from a whole number of tiles per picture than this is no repetition
+
+
+def repeat_with_picture(
+    values: dict[str, float], size: tuple[float, float], wraps: tuple[bool, bool], kind: str
+) -> dict[str, float] | None:
+    """The pitches, angle and offset nearest to ``values`` for which the picture's repetition is the tiling's too.
+
+    The tiling repeats along a = (one period along a course) and b = (one or two courses across); the picture repeats
+    along its sides. So each side must be a whole combination of a and b, which fixes them exactly. None where no side
+    comes near to that, or the picture does not wrap.
+    """
+    direction = np.array([np.cos(values["angle"]), np.sin(values["angle"])])
+    across = np.array([-direction[1], direction[0]])
+    period = 1.5 if kind == "flemish" else 1.0
+    courses = 2 if kind == "english" else 1
+    a = period * values["tile_width"] * direction
+    b = courses * (values["tile_height"] * across + values["offset"] * values["tile_width"] * direction)
+    rows, targets = [], []
+    for side, wrapping in zip((np.array([size[0], 0.0]), np.array([0.0, size[1]])), wraps, strict=True):
+        counts = np.linalg.solve(np.stack([a, b], 1), side)
+        whole = np.round(counts)
+        # Courses shifted freely repeat across the picture whatever their shifts, so only their number must be whole.
+        free = kind == "irregular" and abs(whole[1]) > 0
+        off = np.abs(counts - whole)[1:] if free else np.abs(counts - whole)
+        if wrapping and off.max() < _NEAR_WHOLE and np.abs(whole).max() > 0:
+            rows.append(counts if free and off.max() == 0 else np.array([counts[0] if free else whole[0], whole[1]]))
+            targets.append(side)
+    if not rows:
+        return None
+    combine, target = np.array(rows), np.array(targets)
+    basis = np.stack([a, b])
+    basis = basis + np.linalg.pinv(combine) @ (target - combine @ basis)
+    return _read_basis(basis, values, period, courses)
+
+
+def _read_basis(basis: Array, values: dict[str, float], period: float, courses: int) -> dict[str, float]:
+    a, b = basis
+    width = float(np.hypot(*a)) / period
+    angle = float(np.arctan2(a[1], a[0]))
+    direction = np.array([np.cos(angle), np.sin(angle)])
+    across = np.array([-direction[1], direction[0]])
+    height, offset = float(b @ across) / courses, float(b @ direction) / width / courses
+    return values | {"tile_width": width, "tile_height": height, "angle": angle, "offset": offset}
