@@ -196,7 +196,7 @@ def _courses_to_json(tiles: Mapping[Place, tuple[float, float, float]]) -> list[
 
 def _courses_from_json(courses: Sequence[Mapping[str, Any]]) -> dict[Place, tuple[float, float, float]]:
     tiles = {
-        (int(row["course"]), int(row["first"]) + n): _from_hex(colour)
+        (_whole(row["course"]), _whole(row["first"]) + n): _from_hex(colour)
         for row in courses
         for n, colour in enumerate(row["colours"])
         if colour is not None
@@ -204,6 +204,12 @@ def _courses_from_json(courses: Sequence[Mapping[str, Any]]) -> dict[Place, tupl
     if not tiles:
         raise InputError("appearance: tiles holds no colour; give at least one")
     return tiles
+
+
+def _whole(number: object) -> int:
+    if isinstance(number, int | float) and number == int(number) and abs(number) < 2**30:
+        return int(number)
+    raise InputError(f"appearance: {number!r} is no whole number of a tile or course")
 
 
 def _to_hex(colour: Sequence[float] | npt.NDArray[np.floating]) -> str:

@@ -31,7 +31,7 @@ def measure_appearance(pixels: npt.ArrayLike, tiling: Tiling, *, mask: npt.Array
         pixels: linear light, [row, col, channel], 1 or 3 channels.
         tiling: fitted to this photograph.
         mask: [row, col], 1 = tile, 0 = joint. Pixels in tiles that it calls joint (dirt, gaps) do not count, as long as
-            that leaves half of the tile; pixels in joints that it calls tile do not count either.
+            that leaves a quarter of the tile; pixels in joints that it calls tile do not count either.
 
     Returns:
         The appearance; tiles of which the picture shows less than an eighth of the usual area are not in it.
@@ -118,7 +118,7 @@ def _tile_colours(
         if end - start < enough:
             continue
         own, kept = colours[start:end], clean[start:end]
-        own = own[kept] if 2 * kept.sum() >= len(own) else own
+        own = own[kept] if 4 * kept.sum() >= len(own) else own
         tiles[int(course[start]), int(tile[start])] = np.median(own, axis=0)
     return tiles
 

@@ -15,8 +15,8 @@ Pattern = tuple[tuple[int, ...], ...]
 ONE_CLASS: Pattern = ((0,),)
 
 _LONGEST = 4  # tiles or courses after which a pattern repeats, at most
-_FEWEST = 3  # tiles that a class must be seen on
-_EXPLAINED = 0.5  # share of the variance between tiles that a pattern must explain to be believed
+_FEWEST = 4  # tiles that a class must be seen on
+_LEFT = 0.4  # share of the tiles' variance that a pattern may leave within its classes and still be believed
 
 
 def class_of(pattern: Pattern, course: npt.ArrayLike, tile: npt.ArrayLike) -> npt.NDArray[np.int_]:
@@ -55,7 +55,8 @@ def choose_pattern(
         >>> choose_pattern(j, i, np.where((i + j) % 2, 0.9, 0.1)[:, None])
         ((0, 1), (1, 0))
     """
-    total = _spread(values, np.zeros(len(values), dtype=int))
+    n = len(values)
+    total = _spread(values, np.zeros(n, dtype=int))
     best, least = ONE_CLASS, _criterion(total, values, classes=1)
     for pattern in _patterns():
         label = class_of(pattern, course, tile)
@@ -64,7 +65,8 @@ def choose_pattern(
             continue
         left = _spread(values, label)
         criterion = _criterion(left, values, classes)
-        if left <= (1 - _EXPLAINED) * total and criterion < least:
+        # Of the variances, not the sums: chance alone explains (classes - 1) / (n - 1) of the sum.
+        if left / (n - classes) <= _LEFT * total / (n - 1) and criterion < least:
             best, least = pattern, criterion
     return best
 
