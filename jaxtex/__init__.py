@@ -18,23 +18,97 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from jaxtex.core.errors import InputError as InputError
+    from jaxtex.fitting.tiling import TilingFit as TilingFit
+    from jaxtex.fitting.tiling import fit_tiling as fit_tiling
     from jaxtex.io.images import Image as Image
     from jaxtex.io.images import read_image as read_image
     from jaxtex.io.images import write_image as write_image
     from jaxtex.io.masks import read_mask as read_mask
     from jaxtex.io.masks import write_mask as write_mask
+    from jaxtex.material.appearance import Appearance as Appearance
+    from jaxtex.material.appearance import appearance_of as appearance_of
+    from jaxtex.material.export import write_maps as write_maps
+    from jaxtex.material.maps import Maps as Maps
+    from jaxtex.material.maps import render_maps as render_maps
+    from jaxtex.material.measure import measure_appearance as measure_appearance
+    from jaxtex.material.overlay import draw_overlay as draw_overlay
+    from jaxtex.material.preview import shade_maps as shade_maps
+    from jaxtex.material.sheet import Sheet as Sheet
+    from jaxtex.material.sheet import lay_photographed_sheet as lay_photographed_sheet
+    from jaxtex.material.sheet import lay_sheet as lay_sheet
+    from jaxtex.models.files import SourceImage as SourceImage
+    from jaxtex.models.files import TilingFile as TilingFile
+    from jaxtex.models.files import load_model as load_model
+    from jaxtex.models.files import save_model as save_model
+    from jaxtex.models.files import tiling_parameters as tiling_parameters
+    from jaxtex.models.grids import coverage_grid as coverage_grid
+    from jaxtex.models.tiling import Tiling as Tiling
+    from jaxtex.models.tiling import make_tiling as make_tiling
+    from jaxtex.photo.automask import auto_mask as auto_mask
+    from jaxtex.photo.edges import pyramid_edges as pyramid_edges
+    from jaxtex.photo.edges import sobel_edges as sobel_edges
+    from jaxtex.photo.illumination import even_out as even_out
+    from jaxtex.photo.morphology import close_mask as close_mask
+    from jaxtex.photo.morphology import dilate_mask as dilate_mask
+    from jaxtex.photo.morphology import erode_mask as erode_mask
+    from jaxtex.photo.morphology import open_mask as open_mask
+    from jaxtex.photo.morphology import remove_small_regions as remove_small_regions
+    from jaxtex.photo.rectify import rectify as rectify
+    from jaxtex.photo.segment import colour_mask as colour_mask
+    from jaxtex.photo.segment import pick_colours as pick_colours
+    from jaxtex.photo.segment import threshold_mask as threshold_mask
 
 __version__ = "0.1.0"
 
-# Public name -> module that defines it. A name added here is also added to the block for type checkers above;
-# tests/test_public.py holds the two to one another.
+# Public name -> module that defines it, in the order of the way of the data. A name added here is also added to the
+# block for type checkers above; tests/test_public.py holds the two to one another.
 _PUBLIC = {
+    # every complaint about what was handed in
     "InputError": "jaxtex.core.errors",
+    # files, linear light inside
     "Image": "jaxtex.io.images",
     "read_image": "jaxtex.io.images",
-    "read_mask": "jaxtex.io.masks",
     "write_image": "jaxtex.io.images",
+    "read_mask": "jaxtex.io.masks",
     "write_mask": "jaxtex.io.masks",
+    # photograph -> mask
+    "rectify": "jaxtex.photo.rectify",
+    "even_out": "jaxtex.photo.illumination",
+    "auto_mask": "jaxtex.photo.automask",
+    "threshold_mask": "jaxtex.photo.segment",
+    "colour_mask": "jaxtex.photo.segment",
+    "pick_colours": "jaxtex.photo.segment",
+    "sobel_edges": "jaxtex.photo.edges",
+    "pyramid_edges": "jaxtex.photo.edges",
+    "erode_mask": "jaxtex.photo.morphology",
+    "dilate_mask": "jaxtex.photo.morphology",
+    "open_mask": "jaxtex.photo.morphology",
+    "close_mask": "jaxtex.photo.morphology",
+    "remove_small_regions": "jaxtex.photo.morphology",
+    # mask -> parameters
+    "fit_tiling": "jaxtex.fitting.tiling",
+    "TilingFit": "jaxtex.fitting.tiling",
+    # the model, its mask, its file
+    "Tiling": "jaxtex.models.tiling",
+    "make_tiling": "jaxtex.models.tiling",
+    "coverage_grid": "jaxtex.models.grids",
+    "TilingFile": "jaxtex.models.files",
+    "SourceImage": "jaxtex.models.files",
+    "load_model": "jaxtex.models.files",
+    "save_model": "jaxtex.models.files",
+    "tiling_parameters": "jaxtex.models.files",
+    # model -> material
+    "measure_appearance": "jaxtex.material.measure",
+    "Appearance": "jaxtex.material.appearance",
+    "appearance_of": "jaxtex.material.appearance",
+    "Sheet": "jaxtex.material.sheet",
+    "lay_sheet": "jaxtex.material.sheet",
+    "lay_photographed_sheet": "jaxtex.material.sheet",
+    "Maps": "jaxtex.material.maps",
+    "render_maps": "jaxtex.material.maps",
+    "write_maps": "jaxtex.material.export",
+    "draw_overlay": "jaxtex.material.overlay",
+    "shade_maps": "jaxtex.material.preview",
 }
 
 __all__ = ["__version__", *_PUBLIC]

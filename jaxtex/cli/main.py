@@ -106,7 +106,7 @@ def _dispatch(words: list[str]) -> int:
     parsed = usage.parse(options, prog=f"jaxtex {command.words}", arguments=arguments)
     if parsed is None:
         return 0
-    _keep_compiled_code()
+    _set_up_jax()
     return parsed.run()
 
 
@@ -164,11 +164,14 @@ def _raised_by_jaxtex(error: BaseException) -> bool:
     return trace is not None and trace.tb_frame.f_globals.get("__name__", "").split(".")[0] == "jaxtex"
 
 
-def _keep_compiled_code() -> None:
+def _set_up_jax() -> None:
     """Have JAX keep what it compiles for the next run, unless the user has said where (or that it should not).
 
     JAX reads these variables when it is first imported, which is after this.
     """
+    # Each kernel read back from the cache would be announced on stderr as an error: its compiler's preferences (such as
+    # +prefer-no-gather) are no features of the processor. Errors that matter come as exceptions.
+    os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
     if "JAX_COMPILATION_CACHE_DIR" in os.environ:
         return
     folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "jaxtex" / "xla"
@@ -179,6 +182,3 @@ def _keep_compiled_code() -> None:
     if os.access(folder, os.W_OK):
         os.environ["JAX_COMPILATION_CACHE_DIR"] = str(folder)
         os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.1")
-        # Each kernel read back would be announced on stderr as an error: its compiler's preferences (such as
-        # +prefer-no-gather) are no features of the processor. Errors that matter come as exceptions.
-        os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")

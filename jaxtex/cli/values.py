@@ -1,6 +1,7 @@
 """Words on the command line that stand for more than one number: points, sizes, colours."""
 
 import re
+from collections.abc import Sequence
 
 from jaxtex.core.errors import InputError
 
@@ -87,3 +88,39 @@ def parse_colour(option: str, word: str) -> tuple[float, float, float]:
     digits = match[1] if len(match[1]) == 6 else "".join(digit * 2 for digit in match[1])
     red, green, blue = (int(digits[k : k + 2], 16) / 255 for k in (0, 2, 4))
     return red, green, blue
+
+
+def parse_assignments(option: str, words: Sequence[str]) -> dict[str, float]:
+    """Read words of the form "name=number".
+
+    Args:
+        option: the option's name, for the complaint.
+        words: what the user typed.
+
+    Raises:
+        InputError: a word is no such assignment, or a name comes twice.
+
+    Examples:
+        >>> parse_assignments("--fix", ["angle_deg=0", "mortar_x=4.5"])
+        {'angle_deg': 0.0, 'mortar_x': 4.5}
+    """
+    values: dict[str, float] = {}
+    for word in words:
+        match = re.fullmatch(rf"\s*(\w+)\s*=\s*({_NUMBER}(?:e[+-]?\d+)?)\s*", word, re.IGNORECASE)
+        if not match:
+            raise InputError(f"{option}: '{word}' gives no parameter a number; write name=number, as in angle_deg=0")
+        if match[1] in values:
+            raise InputError(f"{option}: {match[1]} is given twice; give it once")
+        values[match[1]] = float(match[2])
+    return values
+
+
+def check_seed(seed: int) -> int:
+    """`seed` itself, once it is known to be one.
+
+    Raises:
+        InputError: it is negative, or has more than 32 bits.
+    """
+    if not 0 <= seed < 2**32:
+        raise InputError(f"--seed: {seed} is out of range; give a whole number from 0 to {2**32 - 1}")
+    return seed

@@ -117,7 +117,7 @@ def test_what_cannot_be_used_is_one_line_and_status_two(words, told, capsys: pyt
 @pytest.mark.parametrize(("columns", "encoding"), [("40", "ascii"), ("200", "utf-8")])
 def test_usage_errors_read_the_same_on_every_terminal(columns: str, encoding: str) -> None:
     environment = {**os.environ, "COLUMNS": columns, "PYTHONIOENCODING": encoding}
-    command = [sys.executable, "-m", "jaxtex", "info", "--no-such-option"]
+    command = [sys.executable, "-m", "jaxtex", "info", "model.json", "--no-such-option"]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
@@ -153,6 +153,15 @@ def test_the_users_own_cache_is_respected(tmp_path: Path) -> None:
     assert not (tmp_path / "jaxtex").exists()
 
 
+def test_the_users_own_level_of_logging_is_respected() -> None:
+    os.environ.pop("TF_CPP_MIN_LOG_LEVEL", None)
+    main(["other"])
+    assert os.environ["TF_CPP_MIN_LOG_LEVEL"] == "3"
+    os.environ["TF_CPP_MIN_LOG_LEVEL"] = "0"
+    main(["other"])
+    assert os.environ["TF_CPP_MIN_LOG_LEVEL"] == "0"
+
+
 def test_a_cache_that_cannot_be_is_done_without(tmp_path: Path) -> None:
     os.environ.pop("JAX_COMPILATION_CACHE_DIR", None)
     (tmp_path / "jaxtex").write_text("a file where the folder should be")
@@ -183,6 +192,6 @@ def test_command_modules_are_light() -> None:
     """Importing all of them brings in none of the heavy libraries, so that help is quick."""
     modules = sorted({command.target.partition(":")[0] for command in COMMANDS})
     heavy = {"jax", "equinox", "optimistix", "skimage", "scipy", "trimesh"}
-    code = f"import {', '.join(modules)}, sys; sys.exit(' '.join({heavy!r} & set(sys.modules)))"
+    code = f"import {', '.join(modules)}, sys; sys.exit(' '.join({heavy!r} & set(sys.modules)) or 0)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
