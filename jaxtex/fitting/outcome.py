@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jaxtex.fitting.parameters import build_tiling, place, read_free
-from jaxtex.fitting.refine import Fitted
-from jaxtex.fitting.start import Start
+from jaxtex.fitting.start import Fitted, Start
 from jaxtex.fitting.verdict import to_lattice
 from jaxtex.models.canonical import canonical, nearest_node
 from jaxtex.models.perspective import normalise_view

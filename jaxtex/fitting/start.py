@@ -30,6 +30,17 @@ class Start(NamedTuple):
     perspective: bool
 
 
+class Fitted(NamedTuple):
+    """A start's end: the ``free`` vector (P,) and its ``variance`` (P,); the ``start`` it came from; ``criterion``, the
+    Bayesian information criterion of the fit (lower is better); ``mean_square`` residual."""
+
+    free: Array
+    variance: Array
+    start: Start
+    criterion: float
+    mean_square: float
+
+
 def start_fit(lattice: Lattice, size: tuple[float, float], *, perspective: bool) -> Start:
     """The start that a lattice gives in a picture of ``size`` (width, height)."""
     direction = np.array([np.cos(lattice.angle), np.sin(lattice.angle)])

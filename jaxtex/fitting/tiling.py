@@ -21,9 +21,10 @@ from jaxtex.fitting.verdict import judge_fit
 from jaxtex.models.tiling import Tiling, make_tiling
 from jaxtex.photo.automask import WORKING_SIZE, Reading, read_tiling
 from jaxtex.photo.evidence import find_evidence, mask_evidence, shrink
+from jaxtex.photo.lattice import Lattice
 from jaxtex.photo.seamless import find_wrap
 
-_STARTS = 4  # lattices worth a solve
+_STARTS = 6  # lattices worth a solve
 _WORTH = 0.7  # of the best lattice's score
 _SMALLEST = 32  # pixels
 
@@ -108,9 +109,11 @@ def fit_tiling(
     tell(2, 4)
     if not reading.lattices:
         return _nothing(photo.shape[:2], reading, "nothing in the picture repeats like courses of tiles")
-    starts = _choose_starts(reading, (width, height), perspective)
+    # A picture that repeats both ways was made to be seen straight on.
+    wraps = find_wrap(working) if mask is None else (False, False)
+    starts = _choose_starts(reading, (width, height), perspective and not all(wraps))
     starts = [apply_choices(start, (width, height), fix or {}, init or {}) for start in starts]
-    fitted = refine_all(starts, reading.joint, wraps=find_wrap(working) if mask is None else (False, False))
+    fitted = refine_all(starts, reading.joint, wraps=wraps)
     clock.append(time.perf_counter())
     tell(3, 4)
     tiling = tiling_of(fitted.free, fitted.start, (width, height))
@@ -161,8 +164,18 @@ def _choose_starts(reading: Reading, size: tuple[int, int], perspective: bool) -
     scale = max(reading.joint.shape) / max(size)
     working = (size[0] * scale, size[1] * scale)
     best = reading.lattices[0].score
-    worth = [lattice for lattice in reading.lattices if lattice.score >= _WORTH * best][:_STARTS]
-    return [start_fit(lattice, working, perspective=perspective) for lattice in worth]
+    worth: list[Lattice] = []
+    for lattice in reading.lattices:
+        if lattice.score >= _WORTH * best and not any(_alike(lattice, other) for other in worth):
+            worth.append(lattice)
+    return [start_fit(lattice, working, perspective=perspective) for lattice in worth[:_STARTS]]
+
+
+def _alike(a: Lattice, b: Lattice) -> bool:
+    """Whether two lattices would be refined to the same one."""
+    same = abs(np.log(a.width / b.width)) < 0.02 and abs(np.log(a.height / b.height)) < 0.02
+    turn = abs((a.angle - b.angle + np.pi / 2) % np.pi - np.pi / 2)
+    return bool(same and turn < 0.02 and a.bond == b.bond and np.abs(a.tilt - b.tilt).max() * 256 < 0.02)
 
 
 def _enlarge(joint: NDArray[np.float32], shape: tuple[int, int]) -> NDArray[np.float32]:

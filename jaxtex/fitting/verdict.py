@@ -1,5 +1,6 @@
 """Is it a tiling at all? Every joint that the fit predicts is looked up in the mask."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
@@ -12,12 +13,12 @@ from jaxtex.models.tiling import Tiling
 
 Array = NDArray[np.float64]
 
-_SEEN = 0.25  # contrast, of a perfect 1, that three quarters of the predicted joints must have
+_SEEN = 0.38  # contrast, of a perfect 1, that half of the predicted joints of either kind must have
 _FEWEST_TILES = 4
 
 
 class Verdict(NamedTuple):
-    """``ok`` and the ``reason``; ``beds`` and ``heads``: typical (lower-quartile) contrast between a predicted joint of
+    """``ok`` and the ``reason``; ``beds`` and ``heads``: median contrast between a predicted joint of
     either kind and the tiles beside it, on the mask's scale of 0 to 1; ``tiles``: how many were looked at; ``iou``:
     intersection over union of mask and fit, mean of tiles and joints."""
 
@@ -34,7 +35,7 @@ def judge_fit(tiling: Tiling, joint: NDArray[np.float32]) -> Verdict:
     beds, heads, tiles = measure_joints(tiling, joint)
     with jax.enable_x64():
         rendered = np.asarray(coverage_grid(tiling, *joint.shape, blur=0.5))
-    found = [float(np.nanquantile(each, 0.25)) if np.isfinite(each).any() else 0.0 for each in (beds, heads)]
+    found = [float(np.nanmedian(each)) if np.isfinite(each).any() else 0.0 for each in (beds, heads)]
     reason = _find_fault(found[0], found[1], tiles)
     return Verdict(not reason, reason or "", *found, tiles, mean_iou(joint < 0.5, rendered > 0.5))
 
@@ -43,33 +44,59 @@ def _find_fault(beds: float, heads: float, tiles: int) -> str:
     if tiles < _FEWEST_TILES:
         return f"only {tiles} whole tiles would lie in the picture: too few to tell a tiling from chance"
     if beds < _SEEN:
-        return f"the courses' joints are not where they should be (contrast {beds:.2f}, {_SEEN} needed)"
+        return f"joints between courses are not where they should be (contrast {beds:.2f}, {_SEEN} needed)"
     if heads < _SEEN:
-        return f"joints between the tiles of a course are not where they should be (contrast {heads:.2f}, {_SEEN} needed)"
+        return f"joints between tiles of a course are not where they should be (contrast {heads:.2f}, {_SEEN} needed)"
     return ""
 
 
 def measure_joints(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[Array, Array, int]:
     """Contrast of every predicted bed and head joint of the tiles inside the map (H, W) against the tiles beside."""
+    read, tiles = _reader(tiling, joint)
+    along, across = np.linspace(0.2, 0.8, 9), np.linspace(-0.35, 0.35, 5)
+    tile = read(np.linspace(0.3, 0.7, 5), np.linspace(0.3, 0.7, 5), 0.0, 0.0)
+    bed = read(along, np.zeros(1), 0.0, across * float(tiling.mortar_y))
+    head = read(np.zeros(1), along, across * float(tiling.mortar_x), 0.0)
+    return bed - tile, head - tile, tiles
+
+
+def share_of_split_tiles(tiling: Tiling, joint: NDArray[np.float32]) -> float:
+    """Share of the longest of the predicted tiles that have what looks like a head joint in their middle."""
+    longest = list_tiles(tiling, joint.shape[1], joint.shape[0])[:, 1]
+    longest = longest > 0.99 * longest.max(initial=0.0)
+    read, _ = _reader(tiling, joint)
+    up = np.linspace(0.2, 0.8, 9)
+    middle = read(np.array([0.5]), up, np.linspace(-0.35, 0.35, 5) * float(tiling.mortar_x), 0.0)
+    beside = read(np.array([0.25, 0.75]), up, 0.0, 0.0)
+    head = read(np.zeros(1), up, np.linspace(-0.35, 0.35, 5) * float(tiling.mortar_x), 0.0)
+    contrast = max(float(np.nanmedian(head - beside)), 0.1)
+    split = (middle - beside)[longest]
+    return float(np.mean(split[np.isfinite(split)] > 0.5 * contrast)) if np.isfinite(split).any() else 0.0
+
+
+def _reader(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[Callable[..., Array], int]:
+    """A function that averages the map over the same places in every tile, and the number of tiles.
+
+    Places are all pairs of shares of a tile's length and of its height, shifted by all of the given pixels.
+    """
     height, width = joint.shape
     pitch = float(min(tiling.tile_width * np.min(tiling.course_lengths), tiling.tile_height))
     smooth = ndimage.gaussian_filter(joint, 0.03 * pitch)
-    tiles = list_tiles(tiling, width, height)
-    x0, length, y0 = tiles.T
-    h = float(tiling.tile_height)
-    t, u = np.linspace(0.2, 0.8, 9), np.linspace(-0.35, 0.35, 5)
+    start, length, top = list_tiles(tiling, width, height).T[:, :, None, None]
 
-    def read(qx: Array, qy: Array) -> Array:
+    def read(along: Array, down: Array, shift_x: Array | float, shift_y: Array | float) -> Array:
+        qx = start + along[:, None] * length + np.atleast_1d(shift_x)
+        qy = top + down[:, None] * float(tiling.tile_height) + np.atleast_1d(shift_y)
+        qx, qy = (each.reshape(len(start), -1) for each in (qx, qy))
+        qx, qy = np.repeat(qx, qy.shape[1], axis=1), np.tile(qy, (1, qx.shape[1]))
         x, y = from_lattice(tiling, qx, qy)
         values = ndimage.map_coordinates(smooth, [y - 0.5, x - 0.5], order=1, mode="constant", cval=np.nan)
-        return np.nanmean(values.reshape(len(tiles), -1), axis=1)
+        # Places outside the picture tell nothing; a tile with none inside is left out by its NaN.
+        seen = np.isfinite(values)
+        total = np.where(seen, values, 0.0).sum(1)
+        return np.where(seen.any(1), total / np.maximum(seen.sum(1), 1), np.nan)
 
-    s, v = (g.ravel() for g in np.meshgrid(np.linspace(0.3, 0.7, 5), np.linspace(0.3, 0.7, 5)))
-    tile = read(x0[:, None] + s * length[:, None], y0[:, None] + v * h)
-    tt, uu = (g.ravel() for g in np.meshgrid(t, u))
-    bed = read(x0[:, None] + tt * length[:, None], y0[:, None] + uu * float(tiling.mortar_y))
-    head = read(x0[:, None] + uu * float(tiling.mortar_x), y0[:, None] + tt * h)
-    return bed - tile, head - tile, len(tiles)
+    return read, len(start)
 
 
 def list_tiles(tiling: Tiling, width: int, height: int) -> Array:

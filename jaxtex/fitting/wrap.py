@@ -14,8 +14,8 @@ def repeat_with_picture(
     """The pitches, angle and offset nearest to ``values`` for which the picture's repetition is the tiling's too.
 
     The tiling repeats along a = (one period along a course) and b = (one or two courses across); the picture repeats
-    along its sides. So each side must be a whole combination of a and b, which fixes them exactly. None where no side
-    comes near to that, or the picture does not wrap.
+    along its sides. So each side must be a whole combination of a and b, which fixes them exactly. Where the tiles of
+    the courses do not come out even, at least the courses must. None where no side comes near to that.
     """
     direction = np.array([np.cos(values["angle"]), np.sin(values["angle"])])
     across = np.array([-direction[1], direction[0]])
@@ -23,21 +23,15 @@ def repeat_with_picture(
     courses = 2 if kind == "english" else 1
     a = period * values["tile_width"] * direction
     b = courses * (values["tile_height"] * across + values["offset"] * values["tile_width"] * direction)
-    rows, targets = [], []
-    for side, wrapping in zip((np.array([size[0], 0.0]), np.array([0.0, size[1]])), wraps, strict=True):
-        counts = np.linalg.solve(np.stack([a, b], 1), side)
-        whole = np.round(counts)
-        # Courses shifted freely repeat across the picture whatever their shifts, so only their number must be whole.
-        free = kind == "irregular" and abs(whole[1]) > 0
-        off = np.abs(counts - whole)[1:] if free else np.abs(counts - whole)
-        if wrapping and off.max() < _NEAR_WHOLE and np.abs(whole).max() > 0:
-            rows.append(counts if free and off.max() == 0 else np.array([counts[0] if free else whole[0], whole[1]]))
-            targets.append(side)
-    if not rows:
+    sides = [np.array(side) for side, wrapping in zip(((size[0], 0.0), (0.0, size[1])), wraps, strict=True) if wrapping]
+    counts = np.array([np.linalg.solve(np.stack([a, b], 1), side) for side in sides])
+    whole = np.round(counts)
+    if np.abs(counts - whole)[:, 1].max() > _NEAR_WHOLE:
         return None
-    combine, target = np.array(rows), np.array(targets)
+    if kind == "irregular" or np.abs(counts - whole)[:, 0].max() > _NEAR_WHOLE:
+        whole[:, 0] = counts[:, 0]
     basis = np.stack([a, b])
-    basis = basis + np.linalg.pinv(combine) @ (target - combine @ basis)
+    basis = basis + np.linalg.pinv(whole) @ (np.array(sides) - whole @ basis)
     return _read_basis(basis, values, period, courses)
 
 

@@ -35,7 +35,9 @@ class Lattice(NamedTuple):
     @property
     def freedoms(self) -> int:
         """How many numbers a fit of this kind of lattice is free to choose."""
-        return 8 + (len(self.course_offsets) - 1) + 2 * bool(np.any(self.tilt)) + bool(self.shear)
+        # Pitches, angle, place and thicknesses; then the bond's own, an English wall's being the shift of its headers.
+        bond = len(self.course_offsets) - 1 if len(self.course_offsets) > 1 else 1
+        return 7 + bond + 2 * bool(np.any(self.tilt)) + bool(self.shear)
 
 
 def to_strips(lattice: Lattice, x: NDArray[np.floating], y: NDArray[np.floating]) -> tuple[Array, Array]:

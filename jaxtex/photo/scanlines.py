@@ -20,8 +20,7 @@ _SHEARS = np.linspace(-0.5, 0.5, 21)
 _MARGIN = 0.22  # share of a course's height at either side that may belong to the bed joint
 _FEWEST_TILES = 1.3  # tiles along the longest scanline
 _WIDTHS = 4  # tile widths tried for each lean
-_TOLD_APART = 25  # pixels of a map that count as one independent measurement
-_ALIGNED = 0.05  # courses closer than this (median, in tiles) to a regular bond are laid in it, by a human hand
+_ALIGNED = 0.08  # courses closer than this (upper quartile, in tiles) to a regular bond are laid in it, by hand
 _JOINT_SHARES = (0.06, 0.12, 0.24)  # joint thickness tried, as a share of the course's height
 
 Array = NDArray[np.float64]
@@ -117,9 +116,8 @@ def find_widths(scanlines: Scanlines) -> list[tuple[int, float]]:
             found.append((lean, scanlines.size / (bins[peak] + _vertex(combs[lean], peak))))
             comb[max(peak - 2, 0) : peak + 3] = -np.inf
         # Courses of headers can drown the stretchers' own frequency.
-        double = 2 * found[-_WIDTHS][1] if len(found) >= _WIDTHS else np.inf
-        if double < scanlines.length.max() / _FEWEST_TILES:
-            found.append((lean, double))
+        longest = scanlines.length.max() / _FEWEST_TILES
+        found += [(lean, 2 * width) for _, width in found[-_WIDTHS:][:2] if 2 * width < longest]
     return found
 
 
@@ -194,13 +192,13 @@ def _english(scanlines: Scanlines, stretchers: Array, headers: Array) -> Bond:
 
 
 def _irregular(scanlines: Scanlines, response: Array, regular: Bond) -> tuple[Bond, float]:
-    """Every course at its own best phase, and how far (median, in tiles) that is from the regular bond."""
+    """Every course at its own best phase, and how far that is from the regular bond (upper quartile, in tiles)."""
     first, count = int(scanlines.number[0]), int(np.ptp(scanlines.number)) + 1
     phases = np.zeros(count)
     best = np.argmax(response[:, :-1], axis=1) / _PHASES
     phases[scanlines.number - first] = best
     aside = best - regular.phase - regular.offset * scanlines.number
-    deviation = float(np.median(np.abs(aside - np.round(aside))))
+    deviation = float(np.quantile(np.abs(aside - np.round(aside)), 0.75))
     # Entry j mod C belongs to course j.
     offsets = np.roll((phases - phases[0]) % 1.0, first % count)
     total = float(response[:, :-1].max(1).sum())
@@ -232,27 +230,32 @@ def _to_lattice(guess: tuple[Bond, int, float], strips: Strips, courses: Courses
 
 
 def _judge(lattice: Lattice, strips: Strips) -> Lattice:
-    """Score a guess on the whole map, beds and heads together, with the best of a few joint thicknesses."""
+    """Score a guess on the whole map: bed and head joints as two regressors, with the best of a few thicknesses.
+
+    The score is minus the Bayesian information criterion for each measurement; misfit comes joint by joint, so every
+    square as high as a course counts as two measurements.
+    """
     rows, columns = strips.values.shape
     across = strips.corner[1] + strips.spacing * np.arange(rows)[:, None]
     along = strips.corner[0] + strips.spacing * np.arange(columns)[None, :] - lattice.shear * across
-    head, bed = joint_distances(lattice, along, np.broadcast_to(across, along.shape))
-    values, inside = strips.values, strips.inside
-    total = max(float((values**2).sum()), 1e-12)
-    count = max(float(inside.sum()), 1.0)
+    to_head, to_bed = joint_distances(lattice, along, np.broadcast_to(across, along.shape))
+    inside = strips.inside > 0
+    values = strips.values[inside] - strips.values[inside].mean()
     scored = []
     for share in _JOINT_SHARES:
         thickness = max(share * lattice.height, 2 * strips.spacing)
         reach = 0.72 * thickness  # the Gaussian of this width has the joint's area
-        model = 1 - (1 - np.exp(-((head / reach) ** 2))) * (1 - np.exp(-((bed / reach) ** 2)))
-        model = (model - (model * inside).sum() / count) * inside
-        agreement = float((model * values).sum())
-        explained = max(agreement, 0.0) ** 2 / (total * max(float((model**2).sum()), 1e-12))
-        scored.append((explained, thickness))
+        bed = np.exp(-((to_bed[inside] / reach) ** 2))
+        head = (1 - bed) * np.exp(-((to_head[inside] / reach) ** 2))
+        joints = np.stack([bed - bed.mean(), head - head.mean()])
+        gain = np.linalg.solve(joints @ joints.T + 1e-9 * np.eye(2), joints @ values)
+        # Joints that read less than tiles are none.
+        explained = float(gain @ joints @ values) if gain.min() > 0 else 0.0
+        scored.append((explained / max(float(values @ values), 1e-12), thickness))
     explained, thickness = max(scored)
-    independent = count * strips.spacing**2 / _TOLD_APART
-    score = -independent * np.log(max(1 - explained, 1e-6)) - lattice.freedoms * np.log(independent)
-    return lattice._replace(score=float(score / independent), joints=(thickness, thickness))
+    measured = max(2 * inside.sum() * strips.spacing**2 / lattice.height**2, 10.0)
+    score = -np.log(max(1 - explained, 1e-6)) - lattice.freedoms * np.log(measured) / measured
+    return lattice._replace(score=float(score), joints=(thickness, thickness))
 
 
 def _vertex(values: Array, at: int) -> float:
