@@ -25,7 +25,8 @@ LONGEST_SIDE = 65_536
 MOST_TILES = 4_000_000
 """More are refused; the ids of up to 16 million would be exact."""
 
-_BAND = 1 << 20  # pixels evaluated at a time
+# Rows and columns evaluated at a time: one shape for all sizes of maps, so that what is compiled once serves them all.
+_BLOCK = (128, 1024)
 _FEWEST = 4  # pixels across the narrowest tile
 
 
@@ -47,19 +48,16 @@ class Maps(NamedTuple):
     tile_id: npt.NDArray[np.float32]
 
 
-def render_maps(
-    sheet: Sheet, appearance: Appearance, *, size: tuple[int, int], key: Array, band: int | None = None
-) -> Iterator[Maps]:
+def render_maps(sheet: Sheet, appearance: Appearance, *, size: tuple[int, int], key: Array) -> Iterator[Maps]:
     """Render the material maps of a sheet, some rows at a time from top to bottom.
 
     The maps cover the sheet exactly: where `size` has another ratio of sides, pixels are not square, and heights and
-    slopes stay those of the sheet. Memory is that of one band of rows, whatever the size. The maps of a seamless sheet
-    go on in their own first row and column, bit for bit.
+    slopes stay those of the sheet. Memory is that of a band of 128 rows, whatever the size. The maps of a seamless
+    sheet go on, beyond their last row and column, with their first.
 
     Args:
         size: (width, height) in pixels.
         key: random key of the colours of tiles that were not seen; a tile's colour depends on nothing else.
-        band: rows at a time; the result does not depend on it. Default: a million pixels.
 
     Raises:
         InputError: a size without pixels, beyond `LONGEST_SIDE`, or with too few pixels for the sheet's tiles.
@@ -69,17 +67,17 @@ def render_maps(
         >>> from jaxtex.material.sheet import lay_sheet
         >>> from jaxtex.models.tiling import make_tiling
         >>> sheet = lay_sheet(make_tiling(tile_width=60, tile_height=20, offset=0.5), tiles=(2, 4))
-        >>> rows = list(render_maps(sheet, grey, size=(64, 48), key=jax.random.key(0), band=20))
+        >>> rows = list(render_maps(sheet, grey, size=(64, 200), key=jax.random.key(0)))
         >>> [part.height.shape for part in rows]
-        [(20, 64), (20, 64), (8, 64)]
+        [(128, 64), (72, 64)]
     """
     _check_size(sheet, size)
-    return _render_bands(sheet, appearance, size, key, band or max(1, _BAND // size[0]))
+    return _render_bands(sheet, appearance, size, key)
 
 
 def count_bands(size: tuple[int, int]) -> int:
     """How many bands `render_maps` makes of a size."""
-    return -(-size[1] // max(1, _BAND // size[0]))
+    return -(-size[1] // _BLOCK[0])
 
 
 def _check_size(sheet: Sheet, size: tuple[int, int]) -> None:
@@ -100,15 +98,20 @@ def _check_size(sheet: Sheet, size: tuple[int, int]) -> None:
         )
 
 
-def _render_bands(sheet: Sheet, appearance: Appearance, size: tuple[int, int], key: Array, band: int) -> Iterator[Maps]:
+def _render_bands(sheet: Sheet, appearance: Appearance, size: tuple[int, int], key: Array) -> Iterator[Maps]:
     material = _make_material(sheet, appearance, size, key)
-    width, height = size
-    x = sheet.corner[0] + (np.arange(width) + 0.5) * (sheet.width / width)
-    y = sheet.corner[1] + (np.arange(-(-height // band) * band) + 0.5) * (sheet.height / height)
-    for top in range(0, height, band):
-        # Rows beyond the last are made, and dropped, so that all bands have one shape and are compiled once.
-        rows = _render_grid(material, jnp.asarray(x, jnp.float32), jnp.asarray(y[top : top + band], jnp.float32))
-        yield Maps(*(part[: height - top] for part in rows))
+    x = _pixel_centres(sheet.corner[0], sheet.width, size[0], _BLOCK[1])
+    y = _pixel_centres(sheet.corner[1], sheet.height, size[1], _BLOCK[0])
+    for row, down in enumerate(y):
+        blocks = [_render_grid(material, jnp.asarray(across), jnp.asarray(down)) for across in x]
+        rows = min(_BLOCK[0], size[1] - row * _BLOCK[0])
+        yield Maps(*(np.concatenate(part, axis=1)[:rows, : size[0]] for part in zip(*blocks, strict=True)))
+
+
+def _pixel_centres(start: float, length: float, pixels: int, block: int) -> npt.NDArray[np.float32]:
+    """Where pixels have their centres, [block, pixel]; the last block is filled up with places beyond the sheet."""
+    centres = start + (np.arange(-(-pixels // block) * block) + 0.5) * (length / pixels)
+    return centres.astype(np.float32).reshape(-1, block)
 
 
 class _Material(eqx.Module):
