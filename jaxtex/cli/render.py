@@ -25,7 +25,7 @@ class Render:
     """Size of the maps in pixels, which cover the tiles exactly: pixels are square where width and height are to each
     other as the tiles' are. By default as large as the tiles are in the photograph."""
     tiles: Annotated[str | None, tyro.conf.arg(metavar="CxR", help_behavior_hint="")] = None
-    """How many tiles to show: columns (widths of the longest tile) and rows. By default as many as the photograph."""
+    """How many tiles to show: columns (of tiles of mean length, where they differ) and rows. By default as many as the photograph."""
     seamless: Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help_behavior_hint="")] = False
     """Make maps that repeat without a seam: whole periods of the bond, at least the tiles asked for."""
     seed: int = 0

@@ -15,7 +15,7 @@ from jaxtex.fitting.outcome import tiling_of
 from jaxtex.fitting.parameters import SCALARS, VIEW, place, read_free, to_free
 from jaxtex.fitting.solve import Observation, Problem, solve_one
 from jaxtex.fitting.start import Fitted, Start
-from jaxtex.fitting.verdict import share_of_split_tiles
+from jaxtex.fitting.verdict import find_wrong_lengths
 from jaxtex.fitting.wrap import repeat_with_picture
 
 Array = NDArray[np.float64]
@@ -24,8 +24,9 @@ Array = NDArray[np.float64]
 _COARSE, _FINE = 1 << 14, 1 << 16
 # A seamless picture's own period is believed unless it explains the mask worse than this ratio of squared residuals.
 _REPEATS = 1.2
-# A lattice with more of its tiles split in the middle than this has tiles that are too long.
-_SPLIT = 0.25
+# A lattice with more of its head joints missing than this has tiles that are too short; with more of its tiles split in
+# the middle, tiles that are too long.
+_MISSING, _SPLIT = 0.4, 0.25
 
 
 def refine_all(starts: list[Start], joint: NDArray[np.float32], *, wraps: tuple[bool, bool]) -> Fitted:
@@ -103,10 +104,13 @@ def shortest_pitch(start: Start) -> float:
 
 
 def _doubt(fitted: Fitted, joint: NDArray[np.float32]) -> Fitted:
-    """Put last what takes two tiles for one: the criterion alone forgives missing joints where many are faint."""
+    """Put last what takes two tiles for one, or one for two.
+
+    The criterion alone forgives joints too many or too few where they are faint, or hidden among few others.
+    """
     rows, columns = joint.shape
-    split = share_of_split_tiles(tiling_of(fitted.free, fitted.start, (columns, rows)), joint)
-    return fitted._replace(criterion=fitted.criterion + 1.0) if split > _SPLIT else fitted
+    missing, split = find_wrong_lengths(tiling_of(fitted.free, fitted.start, (columns, rows)), joint)
+    return fitted._replace(criterion=fitted.criterion + (missing > _MISSING) + (split > _SPLIT))
 
 
 def _best(candidates: Iterable[Fitted]) -> Fitted:

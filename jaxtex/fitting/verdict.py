@@ -13,7 +13,8 @@ from jaxtex.models.tiling import Tiling
 
 Array = NDArray[np.float64]
 
-_SEEN = 0.38  # contrast, of a perfect 1, that half of the predicted joints of either kind must have
+# Contrast, of a perfect 1, that half of the predicted joints must have. Heads are shorter and often shallower.
+_BEDS_SEEN, _HEADS_SEEN = 0.42, 0.22
 _FEWEST_TILES = 4
 
 
@@ -43,10 +44,10 @@ def judge_fit(tiling: Tiling, joint: NDArray[np.float32]) -> Verdict:
 def _find_fault(beds: float, heads: float, tiles: int) -> str:
     if tiles < _FEWEST_TILES:
         return f"only {tiles} whole tiles would lie in the picture: too few to tell a tiling from chance"
-    if beds < _SEEN:
-        return f"joints between courses are not where they should be (contrast {beds:.2f}, {_SEEN} needed)"
-    if heads < _SEEN:
-        return f"joints between tiles of a course are not where they should be (contrast {heads:.2f}, {_SEEN} needed)"
+    if beds < _BEDS_SEEN:
+        return f"joints between courses are not where they should be (contrast {beds:.2f}, {_BEDS_SEEN} needed)"
+    if heads < _HEADS_SEEN:
+        return f"joints between tiles of a course are not there (contrast {heads:.2f}, {_HEADS_SEEN} needed)"
     return ""
 
 
@@ -60,18 +61,19 @@ def measure_joints(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[Array, A
     return bed - tile, head - tile, tiles
 
 
-def share_of_split_tiles(tiling: Tiling, joint: NDArray[np.float32]) -> float:
-    """Share of the longest of the predicted tiles that have what looks like a head joint in their middle."""
-    longest = list_tiles(tiling, joint.shape[1], joint.shape[0])[:, 1]
-    longest = longest > 0.99 * longest.max(initial=0.0)
+def find_wrong_lengths(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[float, float]:
+    """Share of the predicted head joints that are missing, and of the longest tiles that are split in the middle."""
+    lengths = list_tiles(tiling, joint.shape[1], joint.shape[0])[:, 1]
     read, _ = _reader(tiling, joint)
-    up = np.linspace(0.2, 0.8, 9)
-    middle = read(np.array([0.5]), up, np.linspace(-0.35, 0.35, 5) * float(tiling.mortar_x), 0.0)
+    up, band = np.linspace(0.2, 0.8, 9), np.linspace(-0.35, 0.35, 5) * float(tiling.mortar_x)
     beside = read(np.array([0.25, 0.75]), up, 0.0, 0.0)
-    head = read(np.zeros(1), up, np.linspace(-0.35, 0.35, 5) * float(tiling.mortar_x), 0.0)
-    contrast = max(float(np.nanmedian(head - beside)), 0.1)
-    split = (middle - beside)[longest]
-    return float(np.mean(split[np.isfinite(split)] > 0.5 * contrast)) if np.isfinite(split).any() else 0.0
+    head = read(np.zeros(1), up, band, 0.0) - beside
+    middle = read(np.array([0.5]), up, band, 0.0) - beside
+    head, middle = head[np.isfinite(head)], middle[np.isfinite(middle) & (lengths > 0.99 * lengths.max(initial=0.0))]
+    if not len(head) or not len(middle):
+        return 0.0, 0.0
+    seen = 0.5 * max(float(np.quantile(head, 0.85)), 0.1)
+    return float(np.mean(head < seen)), float(np.mean(middle > seen))
 
 
 def _reader(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[Callable[..., Array], int]:

@@ -87,9 +87,9 @@ def _check_size(sheet: Sheet, size: tuple[int, int]) -> None:
     if max(size) > LONGEST_SIDE:
         raise InputError(f"{told}: is too large; at most {LONGEST_SIDE} pixels to a side can be made")
     shortest = float(np.min(sheet.tiling.course_lengths))
-    if sheet.columns / shortest * sheet.rows > MOST_TILES:
+    if sheet.along / shortest * sheet.rows > MOST_TILES:
         raise InputError(f"{sheet.columns:g} x {sheet.rows} tiles: are too many; at most {MOST_TILES:,} can be made")
-    across = size[0] / sheet.columns * shortest
+    across = size[0] / sheet.along * shortest
     along = size[1] / sheet.rows
     if min(across, along) < _FEWEST:
         raise InputError(

@@ -15,6 +15,7 @@ from jaxtex.models.files import TilingFile
 from jaxtex.models.tiling import Tiling
 
 _TOLERANCE = 0.01  # of a tile: what a length or a course's shift may give way so that the bond repeats
+_SLACK = 0.05  # of a repeat: by so much a sheet may be narrower than the tiles asked for
 _LONGEST = 64  # repeats to search for a period
 
 
@@ -42,7 +43,7 @@ class Sheet:
         tiling: the tiling with angle 0, origin (0, 0) and no homography; tiles and courses keep their numbers. Its
             leaves are NumPy arrays in double precision.
         corner: lattice point (x, y) of the sheet's upper left corner, in plane pixels.
-        columns: its width in units of ``tile_width``.
+        along: its width in units of ``tile_width``.
         rows: its height in courses.
         seamless: whether it repeats in both directions.
         changes: what had to give way for that, in words.
@@ -50,7 +51,7 @@ class Sheet:
 
     tiling: Tiling
     corner: tuple[float, float]
-    columns: float
+    along: float
     rows: int
     seamless: bool = False
     changes: tuple[str, ...] = ()
@@ -58,7 +59,12 @@ class Sheet:
     @property
     def width(self) -> float:
         """In plane pixels."""
-        return self.columns * float(self.tiling.tile_width)
+        return self.along * float(self.tiling.tile_width)
+
+    @property
+    def columns(self) -> float:
+        """Its width in tiles of mean length; a whole number unless the sheet is seamless."""
+        return round(self.along / float(np.mean(self.tiling.course_lengths)), 6)
 
     @property
     def height(self) -> float:
@@ -81,7 +87,7 @@ class Sheet:
         left = self.corner[0] / lattice.tile_width
         courses = range(self.first_course - 1, self.first_course + self.rows + 1)
         first = np.array([lattice.tile_at(course, left) - 1 for course in courses])
-        last = np.array([lattice.tile_at(course, left + self.columns) + 1 for course in courses])
+        last = np.array([lattice.tile_at(course, left + self.along) + 1 for course in courses])
         tile = first[:, None] + np.arange(int((last - first).max()) + 1)
         course = np.broadcast_to(np.array(courses)[:, None], tile.shape)
         if self.seamless:
@@ -100,7 +106,7 @@ class Sheet:
         left = self.corner[0] / lattice.tile_width
         first = np.array([lattice.tile_at(j, left) for j in range(self.first_course, self.first_course + self.rows)])
         slip = np.array([lattice.tiles_in(j, self.rows * lattice.offset) for j in wrapped[:, 0]])
-        count = np.array([lattice.tiles_in(j, self.columns) for j in wrapped[:, 0]])
+        count = np.array([lattice.tiles_in(j, self.along) for j in wrapped[:, 0]])
         start = first[row]
         return wrapped, start + (tile + rounds * slip[:, None] - start) % count[:, None]
 
@@ -117,7 +123,8 @@ def lay_sheet(
 
     Args:
         tiling: any tiling; its angle and homography are left out.
-        tiles: (columns, rows), each >= 1: the width in units of ``tile_width``, the height in courses.
+        tiles: (columns, rows), each >= 1: the width in tiles (of mean length, where they differ), the height in
+            courses.
         seamless: take whole periods of bond and colour pattern, at least the tiles asked for. What no whole period
             fits (an offset fitted as 0.4998, say) gives way by up to a hundredth of a tile; `Sheet.changes` tells.
         near: lattice point; the sheet's upper left corner is the start of a course's pattern nearest to it.
@@ -142,17 +149,17 @@ def lay_sheet(
         origin=np.zeros(2),
         homography=np.eye(3),
     )
-    width = float(columns)
+    along = columns * float(np.mean(upright.course_lengths))
     changes: tuple[str, ...] = ()
     if seamless:
-        upright, width, rows, changes = _close(upright, columns, rows, pattern)
+        upright, along, rows, changes = _close(upright, columns, rows, pattern)
     lattice = _Lattice(upright)
     course = round(near[1] / float(tiling.tile_height))
     corner = (lattice.nearest_start(course, near[0] / lattice.tile_width), course)
     return Sheet(
         tiling=upright,
         corner=(corner[0] * lattice.tile_width, corner[1] * float(tiling.tile_height)),
-        columns=width,
+        along=along,
         rows=rows,
         seamless=seamless,
         changes=changes,
@@ -174,7 +181,8 @@ def lay_photographed_sheet(
     """
     shown = (file.columns, file.rows)
     x, y = file.tiling.to_lattice(jnp.array([0.5 * file.image.width, 0.5 * file.image.height])).tolist()
-    pitch = float(file.tiling.tile_width), float(file.tiling.tile_height)
+    mean_length = float(file.tiling.tile_width) * float(np.mean(file.tiling.course_lengths))
+    pitch = mean_length, float(file.tiling.tile_height)
     near = x - 0.5 * shown[0] * pitch[0], y - 0.5 * shown[1] * pitch[1]
     return lay_sheet(file.tiling, tiles=tiles or shown, seamless=seamless, near=near, pattern=pattern)
 
@@ -212,28 +220,34 @@ class _Lattice:
 
 
 def _close(tiling: Tiling, columns: int, rows: int, pattern: Pattern) -> tuple[Tiling, float, int, tuple[str, ...]]:
-    """Change a tiling as little as possible so that a sheet of it repeats; also the sheet's columns and rows."""
+    """Change a tiling as little as possible so that a sheet of it repeats.
+
+    Returns:
+        The tiling, the sheet's width in units of ``tile_width``, its courses, and what changed.
+    """
     lattice = _Lattice(tiling)
-    repeats = _repeats_along(lattice, columns, pattern)
-    width = float(repeats[0] * lattice.totals[0])
-    lengths = lattice.lengths * (width / (repeats * lattice.totals))[:, None]
-    step = width / math.gcd(*repeats.tolist())
-    cycle, slips = _courses_to_repeat(lattice, step, width / repeats, pattern)
+    mean = float(lattice.lengths.mean())
+    repeats = _repeats_along(lattice, columns * mean, pattern)
+    along = float(repeats[0] * lattice.totals[0])
+    lengths = lattice.lengths * (along / (repeats * lattice.totals))[:, None]
+    step = along / math.gcd(*repeats.tolist())
+    cycle, slips = _courses_to_repeat(lattice, step, along / repeats, pattern)
     closed_rows = -(-rows // cycle) * cycle
     offset = slips * step / cycle
     leaves: dict[str, Any] = {"offset": np.asarray(offset), "course_lengths": lengths}
     closed = dataclasses.replace(tiling, **leaves)
-    changes = [f"{columns} columns became {width:g}"] if not math.isclose(width, columns) else []
+    tiles = along / float(lengths.mean())
+    changes = [f"{columns} columns became {tiles:.4g}"] if abs(tiles - columns) > 1e-6 else []
     changes += [f"{rows} courses became {closed_rows}"] if closed_rows != rows else []
     changes += [f"the offset {lattice.offset:.4g} became {offset:.4g}"] if abs(offset - lattice.offset) > 1e-6 else []
     if not np.allclose(lengths, lattice.lengths, rtol=1e-6):
         changes.append(f"tile lengths changed by up to {100 * np.abs(lengths / lattice.lengths - 1).max():.2g} %")
-    return closed, width, closed_rows, tuple(changes)
+    return closed, along, closed_rows, tuple(changes)
 
 
-def _repeats_along(lattice: _Lattice, columns: int, pattern: Pattern) -> npt.NDArray[np.int_]:
-    """How often the pattern of each kind of course stands in the shortest sheet that is at least `columns` wide."""
-    fewest = max(1, math.ceil(columns / lattice.totals[0] - 1e-6))
+def _repeats_along(lattice: _Lattice, along: float, pattern: Pattern) -> npt.NDArray[np.int_]:
+    """How often the pattern of each kind of course stands in the shortest sheet that is `along` wide or wider."""
+    fewest = max(1, math.ceil(along / lattice.totals[0] - _SLACK))
     for first in range(fewest, fewest + _LONGEST):
         width = first * lattice.totals[0]
         repeats = np.maximum(1, np.round(width / lattice.totals)).astype(int)

@@ -172,7 +172,7 @@ def test_a_seamless_sheet_repeats_bit_for_bit(bond):
     )
     wall = make_wall(bond, **changes)
     one = lay_sheet(wall, tiles=(2, 2), seamless=True)
-    tall = lay_sheet(wall, tiles=(round(4 * one.columns) // 2, 2 * one.rows), seamless=True)
+    tall = lay_sheet(wall, tiles=(round(2 * one.columns), 2 * one.rows), seamless=True)
     assert (tall.columns, tall.rows) == (2 * one.columns, 2 * one.rows)
     width, height = round(2 * one.width), round(2 * one.height)
     single, double = render(one, (width, height)), render(tall, (2 * width, 2 * height))
