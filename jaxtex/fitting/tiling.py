@@ -166,7 +166,7 @@ def _choose_starts(reading: Reading, size: tuple[int, int], perspective: bool) -
     best = reading.lattices[0].score
     worth: list[Lattice] = []
     for lattice in reading.lattices:
-        if lattice.score >= _WORTH * best and not any(_alike(lattice, other) for other in worth):
+        if lattice.score >= best - max((1 - _WORTH) * abs(best), 0.1) and not any(_alike(lattice, other) for other in worth):
             worth.append(lattice)
     return [start_fit(lattice, working, perspective=perspective) for lattice in worth[:_STARTS]]
 
