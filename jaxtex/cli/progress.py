@@ -35,7 +35,7 @@ def progress(items: Iterable[ItemT], what: str, *, total: int | None = None) -> 
 
 
 @contextmanager
-def reporting(what: str) -> Iterator[Callable[[int, int | None], None]]:
+def reporting(what: str) -> Iterator[Callable[[float, float | None], None]]:
     """A function `report(done, total)` to hand to long work that tells how far it is; the bar ends with the block.
 
     Args:
@@ -60,7 +60,7 @@ class _Bar:
         self._start = time.monotonic()
         self._shown: Progress | None = None
 
-    def report(self, done: int, total: int | None) -> None:
+    def report(self, done: float, total: float | None) -> None:
         if self._shown is None:
             if not sys.stderr.isatty() or time.monotonic() - self._start < PATIENCE:
                 return

@@ -2,7 +2,7 @@
 
 import pytest
 
-from jaxtex.cli.values import parse_colour, parse_point, parse_size
+from jaxtex.cli.values import check_seed, parse_assignments, parse_colour, parse_point, parse_size
 from jaxtex.core.errors import InputError
 
 
@@ -39,3 +39,29 @@ def test_colours(word: str) -> None:
 def test_no_colours(word: str) -> None:
     with pytest.raises(InputError, match=f"--colour: '{word}' is no colour"):
         parse_colour("--colour", word)
+
+
+def test_assignments() -> None:
+    words = ["angle_deg=-1.5", " mortar_x = .25 ", "tile_width=1e2"]
+    assert parse_assignments("--fix", words) == {"angle_deg": -1.5, "mortar_x": 0.25, "tile_width": 100.0}
+    assert parse_assignments("--fix", []) == {}
+
+
+@pytest.mark.parametrize("word", ["", "a", "=3", "a=", "a=b", "a=nan", "a=1=2", "a b=3", "a:3"])
+def test_no_assignments(word: str) -> None:
+    with pytest.raises(InputError, match=f"--fix: '{word}' gives no parameter a number; write name=number"):
+        parse_assignments("--fix", [word])
+
+
+def test_a_parameter_is_given_once() -> None:
+    with pytest.raises(InputError, match="--fix: a is given twice"):
+        parse_assignments("--fix", ["a=1", "a=1"])
+
+
+@pytest.mark.parametrize(("seed", "known"), [(0, True), (2**32 - 1, True), (-1, False), (2**32, False)])
+def test_seeds(seed: int, known: bool) -> None:
+    if known:
+        assert check_seed(seed) == seed
+    else:
+        with pytest.raises(InputError, match=f"--seed: {seed} is out of range"):
+            check_seed(seed)
