@@ -15,8 +15,9 @@ from jaxtex.fitting.outcome import tiling_of
 from jaxtex.fitting.parameters import SCALARS, VIEW, place, read_free, to_free
 from jaxtex.fitting.solve import Observation, Problem, solve_one
 from jaxtex.fitting.start import Fitted, Start
-from jaxtex.fitting.verdict import find_wrong_lengths
+from jaxtex.fitting.verdict import find_wrong_sizes
 from jaxtex.fitting.wrap import repeat_with_picture
+from jaxtex.photo.lattice import MEASUREMENTS
 
 Array = NDArray[np.float64]
 
@@ -24,7 +25,7 @@ Array = NDArray[np.float64]
 _COARSE, _FINE = 1 << 14, 1 << 16
 # A seamless picture's own period is believed unless it explains the mask worse than this ratio of squared residuals.
 _REPEATS = 1.2
-# A lattice with more of its head joints missing than this has tiles that are too short; with more of its tiles split in
+# A lattice with more of its joints missing than this has tiles that are too short; with more of its tiles split in
 # the middle, tiles that are too long.
 _MISSING, _SPLIT = 0.4, 0.25
 
@@ -63,14 +64,8 @@ def refine(start: Start, seen: Observation) -> Fitted:
 
 
 def criterion(mean_square: float, start: Start) -> float:
-    """Bayesian information criterion of a fit with this mean squared residual.
-
-    Misfit is not pixel noise: it comes joint by joint, as tiles are laid by hand. So only every square as high as a
-    course counts, as two measurements, and the criterion is given for each of them.
-    """
-    height = float(np.exp(start.first[place("tile_height")]))
-    measured = max(2 * start.size[0] * start.size[1] / height**2, 20.0)
-    return float(np.log(max(mean_square, 1e-12)) + start.moving.sum() * np.log(measured) / measured)
+    """Bayesian information criterion of a fit with this mean squared residual, per measurement."""
+    return float(np.log(max(mean_square, 1e-12)) + start.moving.sum() * np.log(MEASUREMENTS) / MEASUREMENTS)
 
 
 def observe(
@@ -109,7 +104,7 @@ def _doubt(fitted: Fitted, joint: NDArray[np.float32]) -> Fitted:
     The criterion alone forgives joints too many or too few where they are faint, or hidden among few others.
     """
     rows, columns = joint.shape
-    missing, split = find_wrong_lengths(tiling_of(fitted.free, fitted.start, (columns, rows)), joint)
+    missing, split = find_wrong_sizes(tiling_of(fitted.free, fitted.start, (columns, rows)), joint)
     return fitted._replace(criterion=fitted.criterion + (missing > _MISSING) + (split > _SPLIT))
 
 

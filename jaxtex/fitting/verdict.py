@@ -61,19 +61,24 @@ def measure_joints(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[Array, A
     return bed - tile, head - tile, tiles
 
 
-def find_wrong_lengths(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[float, float]:
-    """Share of the predicted head joints that are missing, and of the longest tiles that are split in the middle."""
+def find_wrong_sizes(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[float, float]:
+    """Share of the predicted joints, bed or head, that are missing, and of the longest tiles that are split in the
+    middle."""
     lengths = list_tiles(tiling, joint.shape[1], joint.shape[0])[:, 1]
+    longest = lengths > 0.99 * lengths.max(initial=0.0)
     read, _ = _reader(tiling, joint)
-    up, band = np.linspace(0.2, 0.8, 9), np.linspace(-0.35, 0.35, 5) * float(tiling.mortar_x)
-    beside = read(np.array([0.25, 0.75]), up, 0.0, 0.0)
-    head = read(np.zeros(1), up, band, 0.0) - beside
-    middle = read(np.array([0.5]), up, band, 0.0) - beside
-    head, middle = head[np.isfinite(head)], middle[np.isfinite(middle) & (lengths > 0.99 * lengths.max(initial=0.0))]
-    if not len(head) or not len(middle):
+    some, band = np.linspace(0.2, 0.8, 9), np.linspace(-0.35, 0.35, 5)
+    band_x, band_y = band * float(tiling.mortar_x), band * float(tiling.mortar_y)
+    beside = read(np.array([0.25, 0.75]), some, 0.0, 0.0)
+    head = read(np.zeros(1), some, band_x, 0.0) - beside
+    bed = read(some, np.zeros(1), 0.0, band_y) - beside
+    middle = (read(np.array([0.5]), some, band_x, 0.0) - beside)[longest]
+    head, bed, middle = (each[np.isfinite(each)] for each in (head, bed, middle))
+    if not (len(head) and len(bed) and len(middle)):
         return 0.0, 0.0
-    seen = 0.5 * max(float(np.quantile(head, 0.85)), 0.1)
-    return float(np.mean(head < seen)), float(np.mean(middle > seen))
+    seen_head, seen_bed = (0.5 * max(float(np.quantile(each, 0.85)), 0.1) for each in (head, bed))
+    missing = max(float(np.mean(head < seen_head)), float(np.mean(bed < seen_bed)))
+    return missing, float(np.mean(middle > seen_head))
 
 
 def _reader(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[Callable[..., Array], int]:

@@ -7,6 +7,10 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+# How many independent measurements a picture of a tiling is taken for when models of it are compared: joints, which are
+# out of place one by one, not pixels.
+MEASUREMENTS = 300
+
 
 class Lattice(NamedTuple):
     """A guess at a whole tiling, in pixels of the map it was found in, relative to the map's centre.

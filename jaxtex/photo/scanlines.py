@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jaxtex.photo.courses import Courses, Map
-from jaxtex.photo.lattice import Lattice, joint_distances
+from jaxtex.photo.lattice import MEASUREMENTS, Lattice, joint_distances
 from jaxtex.photo.strips import Strips, lay_strips
 
 _HARMONICS = 4
@@ -232,8 +232,8 @@ def _to_lattice(guess: tuple[Bond, int, float], strips: Strips, courses: Courses
 def _judge(lattice: Lattice, strips: Strips) -> Lattice:
     """Score a guess on the whole map: bed and head joints as two regressors, with the best of a few thicknesses.
 
-    The score is minus the Bayesian information criterion for each measurement; misfit comes joint by joint, so every
-    square as high as a course counts as two measurements.
+    The score is minus the Bayesian information criterion, for each of a number of measurements that is the same for all
+    guesses: misfit comes joint by joint, so it is that of joints in a picture rather than that of pixels.
     """
     rows, columns = strips.values.shape
     across = strips.corner[1] + strips.spacing * np.arange(rows)[:, None]
@@ -253,8 +253,7 @@ def _judge(lattice: Lattice, strips: Strips) -> Lattice:
         explained = float(gain @ joints @ values) if gain.min() > 0 else 0.0
         scored.append((explained / max(float(values @ values), 1e-12), thickness))
     explained, thickness = max(scored)
-    measured = max(2 * inside.sum() * strips.spacing**2 / lattice.height**2, 10.0)
-    score = -np.log(max(1 - explained, 1e-6)) - lattice.freedoms * np.log(measured) / measured
+    score = -np.log(max(1 - explained, 1e-6)) - lattice.freedoms * np.log(MEASUREMENTS) / MEASUREMENTS
     return lattice._replace(score=float(score), joints=(thickness, thickness))
 
 
