@@ -25,20 +25,20 @@ class Render:
     """Size of the maps in pixels, which cover the tiles exactly: pixels are square where width and height are to each
     other as the tiles' are. By default as large as the tiles are in the photograph."""
     tiles: Annotated[str | None, tyro.conf.arg(metavar="CxR", help_behavior_hint="")] = None
-    """How many tiles to show: columns (of tiles of mean length, where they differ) and rows. By default as many as the photograph."""
+    """How many tiles to show: columns (of mean length, where tiles differ) and rows. By default as many as the
+    photograph."""
     seamless: Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help_behavior_hint="")] = False
     """Make maps that repeat without a seam: whole periods of the bond, at least the tiles asked for."""
     seed: int = 0
     """Of the colours of tiles that the photograph does not show."""
 
     def run(self) -> int:
-        from jaxtex.cli.values import parse_size, parse_tiles
+        from jaxtex.cli.values import check_seed, parse_size, parse_tiles
         from jaxtex.core.errors import InputError
 
         size = None if self.size is None else parse_size("--size", self.size)
         tiles = None if self.tiles is None else parse_tiles("--tiles", self.tiles)
-        if not 0 <= self.seed < 2**32:
-            raise InputError(f"--seed: {self.seed} is out of range; give a whole number from 0 to {2**32 - 1}")
+        seed = check_seed(self.seed)
 
         import jax
 
@@ -57,7 +57,7 @@ class Render:
             raise InputError(f"{self.model}: {error}") from None
         sheet = lay_photographed_sheet(file, tiles=tiles, seamless=self.seamless, pattern=appearance.pattern)
         size = size or sheet.natural_size
-        bands = render_maps(sheet, appearance, size=size, key=jax.random.key(self.seed))
+        bands = render_maps(sheet, appearance, size=size, key=jax.random.key(seed))
         folder = prepare_folder(self.output)
         write_maps(folder, progress(bands, "rendering maps", total=count_bands(size)), size=size)
         print(f"{folder}: maps of {size[0]} x {size[1]} pixels, {sheet.columns:g} x {sheet.rows} tiles")

@@ -244,9 +244,12 @@ def _draw_all(
     means = palettes.sum(axis=1) / counts[:, None]
 
     def draw(label: Array, course: Array, tile: Array) -> Array:
-        pick, stray = jax.random.split(jax.random.fold_in(jax.random.fold_in(key, course), tile))
-        seen = palettes[label, jax.random.randint(pick, (), 0, counts[label])]
-        strayed = seen - means[label] + _JITTER * (jax.random.normal(stray, (3,)) @ roots[label])
+        # All that chance decides in one draw, as random bits are what takes long to compile.
+        own_key = jax.random.fold_in(jax.random.fold_in(key, course), tile)
+        chance = jax.random.uniform(own_key, (4,), minval=1e-6)
+        pick = jnp.minimum((chance[0] * counts[label]).astype(int), counts[label] - 1)
+        normal = jax.scipy.special.ndtri(chance[1:])
+        strayed = palettes[label, pick] - means[label] + _JITTER * (normal @ roots[label])
         logit = means[label] + strayed / jnp.sqrt(1 + _JITTER**2)
         return srgb_to_linear(jax.nn.sigmoid(logit))
 

@@ -127,13 +127,14 @@ class _Material(eqx.Module):
     colours: Array  # by row and place in the row, as one index
     identity: Array  # likewise
     joint: Array
+    corner_radius: Array | None  # None where corners are square: most are, and need but half of the code
     relief: Array  # joint depth, width of the tiles' edges
     roughness: Array  # of tiles, of joints
     pixel: Array  # width and height of a pixel, in plane pixels
 
 
 def _make_material(sheet: Sheet, appearance: Appearance, size: tuple[int, int], key: Array) -> _Material:
-    table = sheet.table()
+    table, radius = sheet.table(), float(sheet.tiling.corner_radius)
     colours = appearance.colours(table.course, table.tile, key=key)
     return _Material(
         tiling=jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), sheet.tiling),
@@ -143,6 +144,7 @@ def _make_material(sheet: Sheet, appearance: Appearance, size: tuple[int, int], 
         colours=jnp.asarray(pad_table(colours.reshape(-1, 3))),
         identity=jnp.asarray(pad_table(table.identity.ravel())),
         joint=jnp.asarray(appearance.joint, jnp.float32),
+        corner_radius=jnp.asarray(radius, jnp.float32) if radius > 0 else None,
         relief=jnp.asarray([appearance.joint_depth, appearance.edge_width], jnp.float32),
         roughness=jnp.asarray([appearance.tile_roughness, appearance.joint_roughness], jnp.float32),
         pixel=jnp.asarray([sheet.width / size[0], sheet.height / size[1]], jnp.float32),
@@ -192,7 +194,7 @@ def _roughness(material: _Material, q: Array) -> Array:
 
 def _tile_id(material: _Material, q: Array) -> Array:
     own = _find_tiles(material, q)[0]
-    x, y = _round_corner(own.inside_x, own.inside_y, material.tiling.corner_radius)
+    x, y = _round_corner(own.inside_x, own.inside_y, material.corner_radius)
     return jnp.where(jnp.minimum(x, y) >= 0, material.identity[own.entry], -1).astype(jnp.float32)
 
 
@@ -267,10 +269,12 @@ def _find_tiles(material: _Material, q: Array) -> list[_Near]:
     return near
 
 
-def _round_corner(x: Array, y: Array, radius: Array) -> tuple[Array, Array]:
+def _round_corner(x: Array, y: Array, radius: Array | None) -> tuple[Array, Array]:
     """Where a corner is rounded, the lesser of the two distances from the edges becomes the distance from the arc."""
+    if radius is None:
+        return x, y
     beyond_x, beyond_y = radius - x, radius - y
-    in_corner = (beyond_x > 0) & (beyond_y > 0) & (radius > 0)
+    in_corner = (beyond_x > 0) & (beyond_y > 0)
     # sqrt has no finite gradient at 0: where there is no corner it is taken of something else.
     reach = jnp.sqrt(jnp.where(in_corner, beyond_x**2 + beyond_y**2, 1.0))
     rounded = jnp.where(in_corner, radius - reach, jnp.inf)
@@ -279,7 +283,7 @@ def _round_corner(x: Array, y: Array, radius: Array) -> tuple[Array, Array]:
 
 def _mean_over_pixel(profile: Callable[..., Array], x: Array, y: Array, material: _Material) -> Array:
     """The mean over a pixel of a profile of the distances from the edges, along times across."""
-    x, y = _round_corner(x, y, material.tiling.corner_radius)
+    x, y = _round_corner(x, y, material.corner_radius)
     edge = material.relief[1]
     return profile(x, material.pixel[0], edge) * profile(y, material.pixel[1], edge)
 

@@ -45,54 +45,58 @@ def draw_overlay(pixels: npt.ArrayLike, tiling: Tiling) -> npt.NDArray[np.float3
     height, width = picture.shape[:2]
     shown = np.repeat(picture, 3, axis=2) if picture.shape[2] == 1 else picture.copy()
     breadth = max(1.2, _BREADTH * max(height, width))
-    marks = eqx.Partial(_measure, _with_visible_joints(tiling, breadth, (width, height)))
-    to_outline, to_centre = (np.asarray(part) for part in on_grid(marks, height, width))
+    shared, origin, tips = _prepare(tiling, jnp.asarray(breadth), jnp.array([0.5 * width, 0.5 * height]))
+    to_outline, to_middle = (np.asarray(part) for part in on_grid(eqx.Partial(_measure, shared), height, width))
     _paint(shown, to_outline, 0.5 * breadth)
-    _paint(shown, to_centre, 1.5 * breadth)
-    for q, colour in (((float(tiling.tile_width), 0.0), _ALONG), ((0.0, float(tiling.tile_height)), _ACROSS)):
-        ends = [np.asarray(tiling.from_lattice(jnp.asarray(end))) for end in ((0.0, 0.0), q)]
-        _paint(shown, _distance_to_arrow(ends, breadth, (height, width)), breadth, colour)
+    _paint(shown, to_middle, 1.5 * breadth)
+    for tip, colour in zip(tips, (_ALONG, _ACROSS), strict=True):
+        _paint(
+            shown, _distance_to_arrow(np.asarray(origin), np.asarray(tip), breadth, (height, width)), breadth, colour
+        )
     return shown
 
 
-def _with_visible_joints(tiling: Tiling, breadth: float, size: tuple[int, int]) -> Tiling:
-    """The tiling without those joints whose two sides could not be told apart in the picture."""
-    middle = jnp.array([0.5 * size[0], 0.5 * size[1]])
-    scale = jnp.sqrt(jnp.abs(jnp.linalg.det(jax.jacfwd(tiling.to_lattice)(middle))))  # plane pixels to an image pixel
-    thinnest = 3.5 * breadth * scale
-    return dataclasses.replace(
+@eqx.filter_jit
+def _prepare(tiling: Tiling, breadth: Array, middle: Array) -> tuple[Tiling, Array, tuple[Array, Array]]:
+    """The tiling as it is drawn, and where in the picture its origin and the tips of its arrows are.
+
+    Joints whose two sides could not be told apart are closed, and the homography is scaled to be positive on this side
+    of the horizon.
+    """
+    plane_per_pixel = jnp.sqrt(jnp.abs(jnp.linalg.det(jax.jacfwd(tiling.to_lattice)(middle))))
+    thinnest = 3.5 * breadth * plane_per_pixel
+    h = tiling.homography
+    drawn = dataclasses.replace(
         tiling,
         mortar_x=jnp.where(tiling.mortar_x < thinnest, 0.0, tiling.mortar_x),
         mortar_y=jnp.where(tiling.mortar_y < thinnest, 0.0, tiling.mortar_y),
+        homography=h * jnp.sign(h[2, 0] * middle[0] + h[2, 1] * middle[1] + h[2, 2]),
     )
+    origin, along, across = (
+        tiling.from_lattice(jnp.asarray(q)) for q in ((0.0, 0.0), (tiling.tile_width, 0.0), (0.0, tiling.tile_height))
+    )
+    return drawn, origin, (along, across)
 
 
 def _measure(tiling: Tiling, point: Array) -> tuple[Array, Array]:
     """Distances in image pixels from a point to the nearest tile's outline and to its middle."""
-
-    def to_outline(point: Array) -> Array:
-        place = tiling.locate(tiling.to_lattice(point))
-        x = jnp.minimum(place.left, place.right) - 0.5 * tiling.mortar_x
-        y = jnp.minimum(place.top, place.bottom) - 0.5 * tiling.mortar_y
-        return jnp.minimum(x, y)
-
-    def to_middle(point: Array) -> Array:
-        place = tiling.locate(tiling.to_lattice(point))
-        return 0.5 * jnp.stack([place.left - place.right, place.top - place.bottom])
-
-    distance, slope = jax.value_and_grad(to_outline)(point)
-    offset, jacobian = to_middle(point), jax.jacfwd(to_middle)(point)
-    pixels = jnp.linalg.solve(jacobian, offset)
-    ahead = tiling.homography[2, :2] @ point + tiling.homography[2, 2] > 0  # nothing is seen behind the horizon
-    return (
-        jnp.where(ahead, jnp.abs(distance) / jnp.sqrt(slope @ slope), jnp.inf),
-        jnp.where(ahead, jnp.sqrt(pixels @ pixels), jnp.inf),
-    )
+    ((x_dx, x_dy), (y_dx, y_dy)) = jax.jacfwd(tiling.to_lattice)(point)
+    place = tiling.locate(tiling.to_lattice(point))
+    x = (jnp.minimum(place.left, place.right) - 0.5 * tiling.mortar_x) / jnp.sqrt(x_dx**2 + x_dy**2)
+    y = (jnp.minimum(place.top, place.bottom) - 0.5 * tiling.mortar_y) / jnp.sqrt(y_dx**2 + y_dy**2)
+    # From the tile's middle, in lattice coordinates, and then in the picture's.
+    along, across = 0.5 * (place.left - place.right), 0.5 * (place.top - place.bottom)
+    from_middle = jnp.sqrt((y_dy * along - x_dy * across) ** 2 + (x_dx * across - y_dx * along) ** 2)
+    to_middle = from_middle / jnp.abs(x_dx * y_dy - x_dy * y_dx)
+    h = tiling.homography
+    ahead = h[2, 0] * point[0] + h[2, 1] * point[1] + h[2, 2] > 0  # nothing is seen behind the horizon
+    return jnp.where(ahead, jnp.abs(jnp.minimum(x, y)), jnp.inf), jnp.where(ahead, to_middle, jnp.inf)
 
 
-def _distance_to_arrow(ends: list[npt.NDArray], breadth: float, shape: tuple[int, int]) -> npt.NDArray[np.float64]:
+def _distance_to_arrow(
+    start: npt.NDArray, end: npt.NDArray, breadth: float, shape: tuple[int, int]
+) -> npt.NDArray[np.float64]:
     """Distances of all pixels from an arrow's shaft and the two strokes of its head."""
-    start, end = (np.asarray(point, dtype=np.float64) for point in ends)
     back = start - end
     back *= 6 * breadth / max(float(np.hypot(*back)), 1e-9)
     turn = np.array([[np.cos(0.5), -np.sin(0.5)], [np.sin(0.5), np.cos(0.5)]])
