@@ -11,9 +11,10 @@ import jax
 import jax.numpy as jnp
 import optimistix as optx
 from jax import Array
+from jax.scipy.linalg import solve_triangular
 
-from jaxtex.fitting.parameters import build_tiling, place
-from jaxtex.fitting.tall import TallCholesky
+from jaxtex.fitting.parameters import place
+from jaxtex.fitting.rows import coverage_rows
 
 _PULL = 1e-3  # residual per pixel of departure from the start: keeps unseen directions where they are
 
@@ -54,42 +55,69 @@ class Solution(NamedTuple):
     steps: Array
 
 
-def mask_residuals(step: Array, problem: Problem) -> Array:
-    """Robust residuals (N + P,) of the mask, and of the weak pull to the start, for a step (P,) in pixels."""
-    difference = _differences(step, problem)
-    robust = difference * jax.lax.rsqrt(1.0 + (difference / problem.observation.tolerance) ** 2)
-    return jnp.concatenate([robust, _PULL * step])
+class Sums(NamedTuple):
+    """All that Gauss-Newton needs of N residuals r with Jacobian J by a step (P,) in pixels: ``curvature`` J^T J (P, P),
+    ``gradient`` J^T r (P,), ``robust`` r^T r; and ``cost``, the same sum before it was made robust."""
+
+    curvature: Array
+    gradient: Array
+    robust: Array
+    cost: Array
 
 
-def _differences(step: Array, problem: Problem) -> Array:
-    free = problem.free + step * problem.scale * problem.moving
-    seen = problem.observation
-    tiling = build_tiling(free, problem.course_lengths, problem.centre)
-    tile = jax.vmap(lambda point: tiling.square_coverage(point, blur=seen.blur))(seen.points)
-    expected = free[place("level")] + free[place("contrast")] * (1.0 - tile)
-    return (expected - seen.joint) * seen.weight
+def sum_residuals(step: Array, problem: Problem) -> Sums:
+    """Sums over all pixels, and over the weak pull to the start, after a ``step`` (P,)."""
+    seen, to_free = problem.observation, problem.scale * problem.moving
+    free = problem.free + step * to_free
+    tile, rows = coverage_rows(free, problem.course_lengths, problem.centre, seen.points, seen.blur)
+    contrast = free[place("contrast")]
+    difference = (free[place("level")] + contrast * (1.0 - tile) - seen.joint) * seen.weight
+    rows = (-contrast * rows).at[place("level")].set(1.0).at[place("contrast")].set(1.0 - tile)
+    shrunk = jax.lax.rsqrt(1.0 + (difference / seen.tolerance) ** 2)
+    robust, rows = difference * shrunk, rows * (seen.weight * shrunk**3)
+    return Sums(
+        curvature=(rows @ rows.T) * jnp.outer(to_free, to_free) + _PULL**2 * jnp.eye(len(step), dtype=step.dtype),
+        gradient=(rows @ robust) * to_free + _PULL**2 * step,
+        robust=jnp.sum(robust**2) + jnp.sum((_PULL * step) ** 2),
+        cost=jnp.sum(difference**2),
+    )
 
 
-_SOLVER = optx.LevenbergMarquardt(rtol=1e-5, atol=1e-5, linear_solver=TallCholesky())
+def mask_residuals(step: Array, problem: Problem) -> tuple[Array, Sums]:
+    """The residuals of the mask, turned into P + 1 numbers that a least-squares solver cannot tell from all N.
+
+    With J = Q R, turning the residuals r by Q gives the P numbers Q^T r = R^-T J^T r, whose derivative is R, and a rest
+    that no small step changes. A turn leaves the sum of squares, the gradient and J^T J as they are, so the solver takes
+    the same steps, and handles some dozen numbers instead of a million. Q belongs to the step asked for and is
+    held while differentiating.
+    """
+    here = jax.lax.stop_gradient(step)
+    sums = sum_residuals(here, problem)
+    root = jnp.linalg.cholesky(sums.curvature)
+    turned = solve_triangular(root, sums.gradient, lower=True)
+    rest = jnp.sqrt(jnp.maximum(sums.robust - turned @ turned, 0.0))
+    return jnp.append(turned + root.T @ (step - here), rest), sums
+
+
+_SOLVER = optx.LevenbergMarquardt(rtol=1e-3, atol=1e-3)
 
 
 def solve(problem: Problem) -> Solution:
     """Levenberg-Marquardt from the problem's start. Never raises: a poor end is seen in the cost."""
     answer = optx.least_squares(
-        mask_residuals, _SOLVER, jnp.zeros_like(problem.free), problem, max_steps=30, throw=False
+        mask_residuals, _SOLVER, jnp.zeros_like(problem.free), problem, has_aux=True, max_steps=30, throw=False
     )
-    step = jnp.where(jnp.all(jnp.isfinite(answer.value)), answer.value, 0.0)
-    jacobian = jax.jacfwd(mask_residuals)(step, problem)
-    cost = jnp.sum(_differences(step, problem) ** 2)
+    step, sums = answer.value, answer.state.aux
+    to_free = problem.scale * problem.moving
     count = jnp.sum(problem.observation.weight > 0)
     # Blur ties neighbouring pixels: only so many are independent.
     together = jnp.maximum(4 * jnp.pi * problem.observation.blur**2, 1.0)
-    curvature = jacobian.T @ jacobian + jnp.diag(1.0 - problem.moving)
-    variance = jnp.diag(jnp.linalg.inv(curvature)) * cost / count * together
+    curvature = sums.curvature + jnp.diag(1.0 - problem.moving)
+    variance = jnp.diag(jnp.linalg.inv(curvature)) * sums.cost / count * together
     return Solution(
-        free=problem.free + step * problem.scale * problem.moving,
-        cost=cost,
-        variance=variance * (problem.scale * problem.moving) ** 2,
+        free=problem.free + step * to_free,
+        cost=sums.cost,
+        variance=variance * to_free**2,
         count=count,
         steps=answer.stats["num_steps"],
     )

@@ -24,8 +24,8 @@ from jaxtex.photo.evidence import find_evidence, mask_evidence, shrink
 from jaxtex.photo.lattice import Lattice
 from jaxtex.photo.seamless import find_wrap
 
-_STARTS = 6  # lattices worth a solve
-_WORTH = 0.7  # of the best lattice's score
+_STARTS = 8  # lattices worth a solve
+_WORTH = 0.4  # this share below the best lattice's score is no longer worth one
 _SMALLEST = 32  # pixels
 
 Report = Callable[[float, float], None]
@@ -166,16 +166,22 @@ def _choose_starts(reading: Reading, size: tuple[int, int], perspective: bool) -
     best = reading.lattices[0].score
     worth: list[Lattice] = []
     for lattice in reading.lattices:
-        if lattice.score >= best - max((1 - _WORTH) * abs(best), 0.1) and not any(_alike(lattice, other) for other in worth):
+        family = [other for other in worth if _same_courses(lattice, other)]
+        # The likeliest courses may be laid in several bonds; others must not be crowded out by them.
+        room = len(family) < (_STARTS // 2 if family and family[0] is worth[0] or not worth else 2)
+        if lattice.score >= best - _WORTH * max(abs(best), 0.5) and room and not _alike(lattice, family):
             worth.append(lattice)
     return [start_fit(lattice, working, perspective=perspective) for lattice in worth[:_STARTS]]
 
 
-def _alike(a: Lattice, b: Lattice) -> bool:
-    """Whether two lattices would be refined to the same one."""
-    same = abs(np.log(a.width / b.width)) < 0.02 and abs(np.log(a.height / b.height)) < 0.02
+def _same_courses(a: Lattice, b: Lattice) -> bool:
     turn = abs((a.angle - b.angle + np.pi / 2) % np.pi - np.pi / 2)
-    return bool(same and turn < 0.02 and a.bond == b.bond and np.abs(a.tilt - b.tilt).max() * 256 < 0.02)
+    return bool(turn < 0.02 and abs(np.log(a.height / b.height)) < 0.02 and np.abs(a.tilt - b.tilt).max() * 256 < 0.02)
+
+
+def _alike(lattice: Lattice, family: list[Lattice]) -> bool:
+    """Whether a lattice would be refined to what one of its family is."""
+    return any(abs(np.log(lattice.width / other.width)) < 0.02 and lattice.bond == other.bond for other in family)
 
 
 def _enlarge(joint: NDArray[np.float32], shape: tuple[int, int]) -> NDArray[np.float32]:

@@ -62,8 +62,8 @@ def measure_joints(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[Array, A
 
 
 def find_wrong_sizes(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[float, float]:
-    """Share of the predicted joints, bed or head, that are missing, and of the longest tiles that are split in the
-    middle."""
+    """Share of the predicted joints, bed or head, that are missing; and of the longest tiles that are split in the
+    middle, along or across."""
     lengths = list_tiles(tiling, joint.shape[1], joint.shape[0])[:, 1]
     longest = lengths > 0.99 * lengths.max(initial=0.0)
     read, _ = _reader(tiling, joint)
@@ -72,13 +72,15 @@ def find_wrong_sizes(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[float,
     beside = read(np.array([0.25, 0.75]), some, 0.0, 0.0)
     head = read(np.zeros(1), some, band_x, 0.0) - beside
     bed = read(some, np.zeros(1), 0.0, band_y) - beside
-    middle = (read(np.array([0.5]), some, band_x, 0.0) - beside)[longest]
-    head, bed, middle = (each[np.isfinite(each)] for each in (head, bed, middle))
-    if not (len(head) and len(bed) and len(middle)):
+    half = np.array([0.5])
+    along = (read(half, some, band_x, 0.0) - beside)[longest]
+    across = (read(np.array([0.35, 0.65]), half, 0.0, band_y) - beside)[longest]
+    head, bed, along, across = (each[np.isfinite(each)] for each in (head, bed, along, across))
+    if not (len(head) and len(bed) and len(along) and len(across)):
         return 0.0, 0.0
     seen_head, seen_bed = (0.5 * max(float(np.quantile(each, 0.85)), 0.1) for each in (head, bed))
     missing = max(float(np.mean(head < seen_head)), float(np.mean(bed < seen_bed)))
-    return missing, float(np.mean(middle > seen_head))
+    return missing, max(float(np.mean(along > seen_head)), float(np.mean(across > seen_bed)))
 
 
 def _reader(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[Callable[..., Array], int]:

@@ -51,7 +51,7 @@ def _tiles(tiling: Tiling, across: float, scale: float) -> Iterator[str]:
         tile = 0
         while start < across:
             length = float(row[tile % len(row)])
-            kind = "tile first" if course == 0 and abs(start) < 1e-6 else "tile"
+            kind = "tile first" if course == 0 and tile == np.argmax(row) else "tile"
             yield (
                 f'<rect class="{kind}" x="{start * width + 0.5 * gap_x:.2f}" y="{course * height + 0.5 * gap_y:.2f}" '
                 f'width="{length * width - gap_x:.2f}" height="{height - gap_y:.2f}" rx="{radius:.2f}"/>'
@@ -62,16 +62,20 @@ def _tiles(tiling: Tiling, across: float, scale: float) -> Iterator[str]:
 def _dimensions(tiling: Tiling, scale: float, size: tuple[float, float]) -> Iterator[str]:
     width, height = float(tiling.tile_width) * scale, float(tiling.tile_height) * scale
     gap_x, gap_y = float(tiling.mortar_x) * scale, float(tiling.mortar_y) * scale
-    yield _across(0, float(np.asarray(tiling.course_lengths)[0, 0]) * width, -12, "tile width", above=True)
+    first = np.asarray(tiling.course_lengths)[0]
+    longest = int(np.argmax(first))  # the tile whose length is the tile width
+    begin, end = float(first[:longest].sum()) * width, float(first[: longest + 1].sum()) * width
+    yield _across(begin, end, -12, "tile width", above=True)
     yield _line(-14, 0, -14, height) + _line(-14 - _TICK, 0, -14 + _TICK, 0)
     yield _line(-14 - _TICK, height, -14 + _TICK, height)
     yield _label(-24, 0.5 * height, "tile height", anchor="end")
     shift = (_shift(tiling, _COURSES - 1) - _shift(tiling, _COURSES - 2)) % 1.0
     if shift > 0.01:
-        begin = _shift(tiling, _COURSES - 2) % 1.0
-        yield _across(begin * width, (begin + shift) * width, size[1] + 14, "offset", above=False)
-        yield _line(begin * width, size[1] - 2 * height, begin * width, size[1] + 14, dashed=True)
-        yield _line((begin + shift) * width, size[1] - height, (begin + shift) * width, size[1] + 14, dashed=True)
+        left = _shift(tiling, _COURSES - 2) % 1.0 * width
+        right = left + shift * width
+        yield _across(left, right, size[1] + 14, "offset", above=False)
+        yield _line(left, size[1] - 2 * height, left, size[1] + 14, dashed=True)
+        yield _line(right, size[1] - height, right, size[1] + 14, dashed=True)
     if gap_y > 0:
         edge = size[0] + 8
         yield _line(edge, height - 0.5 * gap_y, edge, height + 0.5 * gap_y)
@@ -79,16 +83,15 @@ def _dimensions(tiling: Tiling, scale: float, size: tuple[float, float]) -> Iter
         yield _line(edge - _TICK, height + 0.5 * gap_y, edge + _TICK, height + 0.5 * gap_y)
         yield _label(edge + 10, height, "bed joint", anchor="start")
     if gap_x > 0:
-        at = float(np.asarray(tiling.course_lengths)[0, 0]) * width
-        yield _line(at - 0.5 * gap_x, -_TICK, at - 0.5 * gap_x, 0) + _line(
-            at + 0.5 * gap_x, -_TICK, at + 0.5 * gap_x, 0
-        )
-        yield _label(at + 0.5 * gap_x + 6, -12, "head joint", anchor="start")
+        left, right = end - 0.5 * gap_x, end + 0.5 * gap_x
+        yield _line(left, -_TICK, left, 0) + _line(right, -_TICK, right, 0)
+        yield _label(right + 6, -12, "head joint", anchor="start")
 
 
 def _shift(tiling: Tiling, course: int) -> float:
+    """Of a course against course 0, in tile widths."""
     offsets = np.asarray(tiling.course_offsets)
-    return float(tiling.offset) * course + float(offsets[course % len(offsets)])
+    return float(tiling.offset) * course + float(offsets[course % len(offsets)] - offsets[0])
 
 
 def _across(start: float, end: float, y: float, text: str, *, above: bool) -> str:

@@ -32,6 +32,7 @@ from jaxtex.models.files import TilingFile, tiling_parameters, tiling_schema
 _LARGE, _SMALL = 1400, 900  # pixels of the longer side of pictures in the page
 _LAMP_COLUMNS = 4  # at most, in the picture under the lamp
 _SWATCHES = 72
+_LONG_LIST = 4  # entries; longer ones get a row to themselves
 
 
 def write_report(
@@ -195,6 +196,8 @@ def _number_row(name: str, value: Any, error: float | None, start: Any, describe
 def _list_row(name: str, value: list[Any], error: Any, start: Any, described: Mapping[str, Any]) -> str:
     if name == "homography" and start == value and np.array_equal(value, np.eye(3)):
         return _row(name, "identity", None, "identity", None, described)
+    if len(value) > _LONG_LIST:
+        return f'<tr><td><code>{name}</code></td><td class="long" colspan="5">{_show(value)}</td></tr>'
     return _row(name, _show(value), _show(error), _show(start), None, described)
 
 

@@ -33,7 +33,7 @@ class TilePlace(NamedTuple):
     bottom: Array
 
 
-class _Spot(NamedTuple):
+class Spot(NamedTuple):
     """How far inside the tiles of one course a Gaussian spot lies, in its own standard deviations.
 
     `this` and `next` are the two tiles at the nearest head joint, `top` and `bottom` the course's two edges.
@@ -43,7 +43,6 @@ class _Spot(NamedTuple):
     next: Array
     top: Array
     bottom: Array
-    per_length: Array
 
     def covered(self) -> Array:
         """How much of the spot is tile of this course, the tiles' corners being square."""
@@ -136,56 +135,57 @@ class Tiling(eqx.Module):
         own, beside = self._spots(point, blur)
         return own.covered() + beside.covered()
 
+    def near_courses(self, q: Array) -> Array:
+        """The course that holds the lattice point `q` (2,), and the course beyond the nearest bed joint: (2,)."""
+        own = jnp.floor(q[1] / self.tile_height)
+        return jnp.stack([own, own + jnp.where(q[1] - own * self.tile_height < 0.5 * self.tile_height, -1.0, 1.0)])
+
+    def spot_in_course(self, q: Array, blur: Array, course: Array) -> Spot:
+        """A Gaussian spot at the lattice point `q` (2,), of standard deviations `blur` (2,), seen from a course."""
+        place = self._place_in_course(q, course)
+        to_head = jnp.minimum(place.left, place.right)
+        return Spot(
+            this=(to_head - 0.5 * self.mortar_x) / blur[0],
+            next=(-to_head - 0.5 * self.mortar_x) / blur[0],
+            top=(place.top - 0.5 * self.mortar_y) / blur[1],
+            bottom=(place.bottom - 0.5 * self.mortar_y) / blur[1],
+        )
+
     def _lost_at_corners(self, point: Array, blur: ArrayLike) -> Array:
         own, beside = self._spots(point, blur)
         # The four tiles at the nearest crossing of joints.
         inside_x = jnp.stack([own.this, own.next, beside.this, beside.next])
         own_y, beside_y = jnp.minimum(own.top, own.bottom), jnp.minimum(beside.top, beside.bottom)
         inside_y = jnp.stack([own_y, own_y, beside_y, beside_y])
-        return jnp.sum(corner_defect(inside_x, inside_y, self.corner_radius * own.per_length))
+        along, across = self._blur_in_lattice(point, blur)
+        return jnp.sum(corner_defect(inside_x, inside_y, self.corner_radius / jnp.sqrt(along * across)))
 
-    def _spots(self, point: Array, blur: ArrayLike) -> tuple[_Spot, _Spot]:
+    def _spots(self, point: Array, blur: ArrayLike) -> tuple[Spot, Spot]:
         """A Gaussian spot as seen from the course it is in, and from the course beyond the nearest bed joint."""
-        q = self.to_lattice(point)
-        blur_x, blur_y = self._blur_in_lattice(point, blur)
-        own = jnp.floor(q[1] / self.tile_height)
-        beside = own + jnp.where(q[1] - own * self.tile_height < 0.5 * self.tile_height, -1.0, 1.0)
-
-        def seen_from(course: Array) -> _Spot:
-            place = self._place_in_course(q, course)
-            to_head = jnp.minimum(place.left, place.right)
-            return _Spot(
-                this=(to_head - 0.5 * self.mortar_x) / blur_x,
-                next=(-to_head - 0.5 * self.mortar_x) / blur_x,
-                top=(place.top - 0.5 * self.mortar_y) / blur_y,
-                bottom=(place.bottom - 0.5 * self.mortar_y) / blur_y,
-                per_length=1.0 / jnp.sqrt(blur_x * blur_y),
-            )
-
-        return seen_from(own), seen_from(beside)
+        q, stretched = self.to_lattice(point), self._blur_in_lattice(point, blur)
+        own, beside = self.near_courses(q)
+        return self.spot_in_course(q, stretched, own), self.spot_in_course(q, stretched, beside)
 
     def _place_in_course(self, q: Array, course: Array) -> TilePlace:
-        index = course.astype(int)
-        offsets, rows = jnp.asarray(self.course_offsets), jnp.asarray(self.course_lengths)
-        shift = self.offset * course + offsets[index % offsets.shape[0]]
-        lengths = rows[index % rows.shape[0]]
-        ends = jnp.cumsum(lengths)
+        rows = jnp.asarray(self.course_lengths)
+        shift = self.offset * course + _take(jnp.asarray(self.course_offsets), course)
+        lengths, ends = _take(rows, course), _take(jnp.cumsum(rows, axis=1), course)
         along = q[0] / self.tile_width - shift
         repeat = jnp.floor(along / ends[-1])
         along = along - repeat * ends[-1]
         number = jnp.sum(along >= ends[:-1])
-        right = ends[number] - along
+        length, right = _take(lengths, number), _take(ends, number) - along
         return TilePlace(
             course=course,
             tile=repeat * lengths.shape[0] + number,
-            left=(lengths[number] - right) * self.tile_width,
+            left=(length - right) * self.tile_width,
             right=right * self.tile_width,
             top=q[1] - course * self.tile_height,
             bottom=(course + 1) * self.tile_height - q[1],
         )
 
-    def _blur_in_lattice(self, point: Array, blur: ArrayLike) -> tuple[Array, Array]:
-        """Standard deviations of an image-space Gaussian along q_x and q_y (the homography stretches it)."""
+    def _blur_in_lattice(self, point: Array, blur: ArrayLike) -> Array:
+        """Standard deviations (2,) of an image-space Gaussian along q_x and q_y (the homography stretches it)."""
         h, p = self.homography, self.to_plane(point)
         c, s = jnp.cos(self.angle), jnp.sin(self.angle)
         depth = h[2, 0] * point[0] + h[2, 1] * point[1] + h[2, 2]
@@ -194,8 +194,22 @@ class Tiling(eqx.Module):
         y_dx, y_dy = h[1, 0] - p[1] * h[2, 0], h[1, 1] - p[1] * h[2, 1]
         along = jnp.sqrt((c * x_dx + s * y_dx) ** 2 + (c * x_dy + s * y_dy) ** 2)
         across = jnp.sqrt((c * y_dx - s * x_dx) ** 2 + (c * y_dy - s * x_dy) ** 2)
-        scale = jnp.asarray(blur) / jnp.abs(depth)
-        return scale * along, scale * across
+        return jnp.stack([along, across]) * (jnp.asarray(blur) / jnp.abs(depth))
+
+
+# So many entries are chosen from by comparing, which unlike a gather is fused with what stands around it.
+_FEW = 8
+
+
+def _take(entries: Array, index: Array) -> Array:
+    """Entry `index` of an array, counted round: 0 follows the last."""
+    count = entries.shape[0]
+    if count > _FEW:
+        return entries[index.astype(int) % count]
+    taken = entries[0]
+    for number in range(1, count):
+        taken = jnp.where(index % count == number, entries[number], taken)
+    return taken
 
 
 def _project(h: Array, point: Array) -> Array:

@@ -33,7 +33,7 @@ def read_tiling(evidence: Evidence, *, perspective: bool = True, learn: bool = T
 
     Without ``learn`` the only feature is itself the probability of a joint: the user's mask.
     """
-    lattices = find_lattices(evidence.joints, perspective=perspective)
+    lattices = find_lattices(evidence.joints, perspective=perspective, per_map=2 if learn else 4)
     if not learn:
         return Reading(evidence.features[..., 0], lattices)
     joint = np.full(evidence.features.shape[:2], 0.5, np.float32)

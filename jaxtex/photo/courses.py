@@ -17,6 +17,7 @@ Map = NDArray[np.float32]
 _SIZE = 128  # longer side of the map that is searched
 _BOX = 256  # side of the transform: room for the picture seen straight, and half-bin steps in frequency
 _HARMONICS = 4
+_UPRIGHT = 0.1  # sine of how far from upright two directions of a tiling may be seen
 _FEWEST, _MOST = 2.2, 40.0  # courses along the longer side
 # Strongest perspective tried: the scale changes by these factors from the centre to the ends of the longer side.
 _TILTS = np.linspace(-0.6, 0.6, 9)
@@ -131,18 +132,28 @@ _FY, _FX = _comb_frequencies()
 
 
 def _find_peaks(power: Map, count: int) -> list[tuple[float, float, float]]:
-    """The ``count`` strongest (strength, fx, fy): energy at a frequency and its harmonics, sub-bin position."""
+    """The ``count`` strongest (strength, fx, fy): energy at a frequency and its harmonics, sub-bin position. If more than
+    one is wanted, also the strongest across the first."""
     comb = np.zeros(_FY.shape, np.float32)
     for k in range(1, _HARMONICS + 1):
         fy, fx = k * _FY, k * _FX
         inside = (np.abs(fy) < _BOX // 2) & (fx <= _BOX // 2)
         comb += np.where(inside, power[fy % _BOX, np.minimum(fx, _BOX // 2)], 0.0)
-    peaks = []
-    for _ in range(count):
-        best = int(np.argmax(comb))
+    peaks: list[tuple[float, float, float]] = []
+
+    def take(candidates: NDArray[np.float32]) -> None:
+        best = int(np.argmax(candidates))
         fy, fx = int(_FY[best]), int(_FX[best])
         peaks.append((float(comb[best]), fx + _vertex(power, fy, fx, 1), fy + _vertex(power, fy, fx, 0)))
         comb[np.hypot(_FY - fy, _FX - fx) < 4] = 0.0
+
+    for _ in range(count):
+        take(comb)
+    if count > 1:
+        # Narrow tiles repeat more strongly along the courses than across: the other direction is always worth a look.
+        _, fx, fy = peaks[0]
+        across = np.abs(_FX * fx + _FY * fy) < _UPRIGHT * np.hypot(_FX, _FY) * np.hypot(fx, fy)
+        take(np.where(across, comb, 0.0))
     return peaks
 
 

@@ -87,7 +87,9 @@ def find_ridges(channel: Map, scale: float) -> tuple[Map, Map]:
 def mask_evidence(mask: NDArray[np.floating]) -> Evidence:
     """Evidence from a mask the user made (H, W), 1 on tiles and 0 on joints."""
     joint = 1.0 - np.asarray(mask, np.float32)
-    return Evidence({"mask": joint - joint.mean()}, joint[..., None])
+    # Single wrong pixels tell nothing of the lattice.
+    smooth = ndimage.gaussian_filter(joint, 1.0)
+    return Evidence({"mask": smooth - smooth.mean()}, joint[..., None])
 
 
 def _to_lab(pixels: NDArray[np.floating]) -> Map:
