@@ -25,9 +25,9 @@ Array = NDArray[np.float64]
 _COARSE, _FINE = 1 << 14, 1 << 16
 # A seamless picture's own period is believed unless it explains the mask worse than this ratio of squared residuals.
 _REPEATS = 1.2
-# A lattice with more of its joints missing than this has tiles that are too short; with more of its tiles split in
-# the middle, tiles that are too long.
-_MISSING, _SPLIT = 0.4, 0.25
+# Shares of joints missing, and of tiles split in the middle, that a right lattice may have; and what each further share
+# adds to the criterion of a wrong one.
+_MISSING, _SPLIT, _DOUBT = 0.2, 0.15, 2.0
 
 
 def refine_all(starts: list[Start], joint: NDArray[np.float32], *, wraps: tuple[bool, bool]) -> Fitted:
@@ -99,13 +99,14 @@ def shortest_pitch(start: Start) -> float:
 
 
 def _doubt(fitted: Fitted, joint: NDArray[np.float32]) -> Fitted:
-    """Put last what takes two tiles for one, or one for two.
+    """Put back what takes two tiles for one, or one for two.
 
     The criterion alone forgives joints too many or too few where they are faint, or hidden among few others.
     """
     rows, columns = joint.shape
     missing, split = find_wrong_sizes(tiling_of(fitted.free, fitted.start, (columns, rows)), joint)
-    return fitted._replace(criterion=fitted.criterion + (missing > _MISSING) + (split > _SPLIT))
+    doubt = max(missing - _MISSING, 0.0) + max(split - _SPLIT, 0.0)
+    return fitted._replace(criterion=fitted.criterion + _DOUBT * doubt)
 
 
 def _best(candidates: Iterable[Fitted]) -> Fitted:

@@ -6,6 +6,7 @@ the search runs over the two numbers of perspective and keeps the sharpest peaks
 left to the scanlines.
 """
 
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -39,7 +40,7 @@ class Courses(NamedTuple):
 
 
 def find_courses(
-    joints: dict[str, Map], *, perspective: bool = True, per_map: int = 2, most: int = 8
+    joints: dict[str, Map], *, perspective: bool = True, per_map: int = 2, most: int = 12
 ) -> list[Courses]:
     """Likely course families in maps of joints (all H, W), the strongest first, near-duplicates left out.
 
@@ -133,7 +134,7 @@ _FY, _FX = _comb_frequencies()
 
 def _find_peaks(power: Map, count: int) -> list[tuple[float, float, float]]:
     """The ``count`` strongest (strength, fx, fy): energy at a frequency and its harmonics, sub-bin position. If more than
-    one is wanted, also the strongest across the first."""
+    one is wanted, also the strongest across the first, and sums and differences of the first few."""
     comb = np.zeros(_FY.shape, np.float32)
     for k in range(1, _HARMONICS + 1):
         fy, fx = k * _FY, k * _FX
@@ -154,7 +155,13 @@ def _find_peaks(power: Map, count: int) -> list[tuple[float, float, float]]:
         _, fx, fy = peaks[0]
         across = np.abs(_FX * fx + _FY * fy) < _UPRIGHT * np.hypot(_FX, _FY) * np.hypot(fx, fy)
         take(np.where(across, comb, 0.0))
-    return peaks
+        # Shifted courses of short tiles look like slanting ones, leaning both ways; the courses are their difference.
+        for one, other in combinations(peaks[: min(count, 3)], 2):
+            for sign in (1, -1):
+                fx, fy = (one[i] + sign * other[i] for i in (1, 2))
+                fx, fy = (fx, fy) if fx >= 0 else (-fx, -fy)
+                take(np.where(np.hypot(_FX - fx, _FY - fy) < 4, comb, 0.0))
+    return [peak for peak in peaks if peak[0] > 0]
 
 
 def _vertex(power: Map, fy: int, fx: int, axis: int) -> float:
