@@ -1,0 +1,117 @@
+"""The scripts in fitting/: their own geometry against the library's, and their measures against known answers."""
+
+import importlib
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import jaxtex as jt
+from jaxtex.models.canonical import canonical
+
+SCRIPTS = Path(__file__).parents[1] / "fitting"
+
+
+@pytest.fixture
+def script(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> ModuleType:
+    monkeypatch.syspath_prepend(SCRIPTS)
+    monkeypatch.delitem(sys.modules, request.param, raising=False)
+    return importlib.import_module(request.param)
+
+
+def tiling_of(wall) -> jt.Tiling:
+    return jt.make_tiling(
+        tile_width=wall.width,
+        tile_height=wall.height,
+        angle=wall.angle,
+        mortar_x=wall.joint_x,
+        mortar_y=wall.joint_y,
+        offset=wall.offset,
+        origin=wall.origin,
+        course_offsets=wall.shifts,
+        bond=wall.bond,
+    )
+
+
+@pytest.mark.parametrize("script", ["recovery"], indirect=True)
+@pytest.mark.parametrize("bond", ["stack", "running", "raking", "irregular"])
+def test_the_masks_of_the_recovery_are_those_of_the_model(script: ModuleType, bond: str) -> None:
+    wall = script.draw_wall(bond, np.random.default_rng(1))
+    rendered = np.asarray(jt.coverage_grid(tiling_of(wall), script.SIZE, script.SIZE, blur=0.1)) > 0.5
+    assert (rendered == script.draw_mask(wall)).mean() > 0.999
+    errors = script.find_errors(wall, canonical(tiling_of(wall)))
+    assert script.is_captured(errors)
+    assert np.nanmax(list(errors.values())) < 1e-3
+
+
+@pytest.mark.parametrize("script", ["recovery"], indirect=True)
+def test_masks_are_spoilt_as_much_as_is_said(script: ModuleType) -> None:
+    mask = np.ones((script.SIZE, script.SIZE), bool)
+    spoilt = [script.spoil_mask(mask, np.random.default_rng(seed)) for seed in range(20)]
+    # Half of the blotches change nothing here: 0.9 (0.05) + 0.1 (0.95)
+    assert np.mean([1 - one.mean() for one in spoilt]) == pytest.approx(0.14, abs=0.02)
+
+
+@pytest.mark.parametrize("script", ["accuracy"], indirect=True)
+def test_corners_are_measured_in_tile_heights(script: ModuleType) -> None:
+    to_image = np.array([[0.55, 0.18, 59.0], [-0.19, 0.71, 53.0], [-2.5e-4, 1.6e-4, 1.0]])
+    truth = {
+        "H_base_px_to_image_px": to_image.tolist(),
+        "column_pitch_base_px": 256.0,
+        "course_pitch_base_px": 128.0,
+        "offset": 0.5,
+    }
+    homography = np.linalg.inv(to_image)
+    wall = {
+        "tile_width": 256.0,
+        "tile_height": 128.0,
+        "homography": homography / homography[2, 2],
+        "origin": (13.0, 7.0),
+    }
+    assert script.find_corner_error(jt.make_tiling(**wall, offset=0.5), truth, (900, 675)) < 0.01
+    assert script.find_corner_error(jt.make_tiling(**wall, offset=-0.5), truth, (900, 675)) < 0.01
+    # A course further on, tiles are a hundredth of a width, which is a fiftieth of a height, aside: more and more.
+    assert 2 < script.find_corner_error(jt.make_tiling(**wall, offset=0.51), truth, (900, 675)) < 20
+    wall["tile_height"] = 64.0
+    assert script.find_corner_error(jt.make_tiling(**wall, offset=0.5), truth, (900, 675)) == np.inf
+
+
+@pytest.mark.parametrize("script", ["accuracy"], indirect=True)
+@pytest.mark.parametrize(
+    ("file", "kind", "other"),
+    [
+        ("natural/grass.png", "grass", True),
+        ("natural/coins.png", "coins on dark ground", False),
+        ("solids/rings.png", "growth-ring probability map", False),
+        ("wood/board.png", "flat-sawn board", True),
+        ("wood/floor.png", "planks, grain vertical", False),
+        ("tilings/paving.png", "herringbone paving", True),
+        ("tilings/brick.png", "running bond brick", False),
+    ],
+)
+def test_what_is_no_tiling(script: ModuleType, file: str, kind: str, other: bool) -> None:
+    assert script.is_other({"file": file, "class": kind}) is other
+
+
+@pytest.mark.parametrize("script", ["gallery"], indirect=True)
+def test_the_gallery_says_what_cannot_be_used(script: ModuleType, tmp_path: Path) -> None:
+    (tmp_path / "broken.png").write_bytes(b"no picture")
+    (tmp_path / "notes.txt").write_text("no picture either")
+    jt.write_image(tmp_path / "tiny.jpg", np.eye(8))
+    rows = list(script.fit_all(script.list_folder(tmp_path), tmp_path / "out"))
+    assert [row[0] for row in rows] == ["broken", "tiny"]
+    assert all(row[4].startswith("cannot be used: ") for row in rows)
+    assert all(source.path.is_file() for source in script.list_shipped())
+
+
+@pytest.mark.parametrize("script", ["tables"], indirect=True)
+def test_tables_are_aligned(script: ModuleType) -> None:
+    table = script.make_table(("a", "long"), [("wide cell", "1"), ("", "22")])
+    assert table.splitlines() == [
+        "| a         | long |",
+        "| --------- | ---- |",
+        "| wide cell | 1    |",
+        "|           | 22   |",
+    ]
