@@ -35,7 +35,7 @@ class Demo:
             status = Tiling(photo=photo, output=folder).run()
             if not status:
                 self._render(folder)
-            print(f"Open {folder / 'report.html'}")
+                print(f"Open {folder / 'report.html'}")
             return status
 
     def _render(self, folder: Path) -> None:
