@@ -27,7 +27,7 @@ _COARSE, _FINE = 1 << 14, 1 << 16
 _REPEATS = 1.2
 # Shares of joints missing, and of tiles split in the middle, that a right lattice may have; and what each further share
 # adds to the criterion of a wrong one.
-_MISSING, _SPLIT, _DOUBT = 0.2, 0.15, 2.0
+_MISSING, _SPLIT, _DOUBT = 0.2, 0.15, 3.0
 
 
 def refine_all(starts: list[Start], joint: NDArray[np.float32], *, wraps: tuple[bool, bool]) -> Fitted:
@@ -41,7 +41,8 @@ def refine_all(starts: list[Start], joint: NDArray[np.float32], *, wraps: tuple[
     seen = observe(joint, starts[0].size, blur=blur, tolerance=0.3, budget=_FINE)
     # Only ends that the coarse level can hardly tell apart are worth the fine one.
     close = [fitted for fitted in ended[:2] if fitted.criterion < ended[0].criterion + 0.1]
-    best = _best(_go_on(fitted, seen) for fitted in close)
+    best = _best(_doubt(_go_on(fitted, seen), joint) for fitted in close)
+    best = best._replace(criterion=criterion(best.mean_square, best.start))
     repeated = _repeat(best, seen, wraps)
     return repeated if repeated is not None else _choose_view(_choose_bond(best, seen), seen)
 

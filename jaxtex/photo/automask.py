@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jaxtex.photo.courses import Map, find_courses
+from jaxtex.photo.courses import Map, all_views, find_courses
 from jaxtex.photo.evidence import Evidence, find_evidence, shrink
 from jaxtex.photo.lattice import Lattice, joint_distances, to_strips
 from jaxtex.photo.scanlines import scan_courses
@@ -33,7 +33,8 @@ def read_tiling(evidence: Evidence, *, perspective: bool = True, learn: bool = T
 
     Without ``learn`` the only feature is itself the probability of a joint: the user's mask.
     """
-    lattices = find_lattices(evidence.joints, perspective=perspective, per_map=2 if learn else 4)
+    views = all_views(perspective)
+    lattices = find_lattices(evidence.joints, views, per_map=2 if learn else 4)
     if not learn:
         return Reading(evidence.features[..., 0], lattices)
     joint = np.full(evidence.features.shape[:2], 0.5, np.float32)
@@ -42,14 +43,15 @@ def read_tiling(evidence: Evidence, *, perspective: bool = True, learn: bool = T
             break
         odds = learn_joints(evidence.features, lattices[0])
         joint = 1 / (1 + np.exp(-odds))
-        # In the odds, unlike in the probability, faint joints still stand out.
-        lattices = find_lattices({"learnt": odds - odds.mean()}, perspective=perspective, per_map=4)
+        # In the odds, unlike in the probability, faint joints still stand out. The view is known by now.
+        known = [lattice.tilt * max(joint.shape) / 2 for lattice in lattices[:3]]
+        lattices = find_lattices({"learnt": odds - odds.mean()}, [views[0], *known], per_map=4)
     return Reading(joint, lattices)
 
 
-def find_lattices(joints: dict[str, Map], *, perspective: bool = True, per_map: int = 2) -> list[Lattice]:
+def find_lattices(joints: dict[str, Map], views: list[NDArray[np.float64]], *, per_map: int) -> list[Lattice]:
     """All guesses from all maps (H, W), best first."""
-    families = find_courses(joints, perspective=perspective, per_map=per_map)
+    families = find_courses(joints, views=views, per_map=per_map)
     lattices = [lattice for family in families for lattice in scan_courses(joints[family.evidence], family)]
     return sorted(lattices, key=lambda lattice: -lattice.score)
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy import fft, ndimage
 
 Map = NDArray[np.float32]
+Array = NDArray[np.float64]
 
 _SIZE = 128  # longer side of the map that is searched
 _BOX = 256  # side of the transform: room for the picture seen straight, and half-bin steps in frequency
@@ -39,17 +40,21 @@ class Courses(NamedTuple):
     evidence: str
 
 
-def find_courses(
-    joints: dict[str, Map], *, perspective: bool = True, per_map: int = 2, most: int = 12
-) -> list[Courses]:
+def all_views(perspective: bool) -> list[Array]:
+    """Views to search, as the tilt times half the longer side: straight on first, then, if wanted, all oblique ones."""
+    oblique = [np.array([x, y]) for x in _TILTS for y in _TILTS if 0 < np.hypot(x, y) <= 0.75]
+    return [np.zeros(2), *(oblique if perspective else [])]
+
+
+def find_courses(joints: dict[str, Map], *, views: list[Array], per_map: int = 2, most: int = 12) -> list[Courses]:
     """Likely course families in maps of joints (all H, W), the strongest first, near-duplicates left out.
 
-    With ``perspective`` the view is searched too; views other than straight on are kept beside the straight one, never
-    instead of it, because only the full fit can tell them apart when courses are few.
+    The best of the ``views`` is kept beside the straight one, never instead of it, because only the full fit can tell
+    them apart when courses are few.
     """
     found: list[Courses] = []
     for name, whole in joints.items():
-        found += _search_map(name, whole, perspective=perspective, per_map=per_map)
+        found += _search_map(name, whole, views, per_map)
     found.sort(key=lambda courses: -courses.strength)
     kept: list[Courses] = []
     extent = max(next(iter(joints.values())).shape)
@@ -59,19 +64,16 @@ def find_courses(
     return kept[:most]
 
 
-def _search_map(name: str, whole: Map, *, perspective: bool, per_map: int) -> list[Courses]:
+def _search_map(name: str, whole: Map, views: list[Array], per_map: int) -> list[Courses]:
     small, scale = _reduce(whole)
     straight = np.zeros(2)
-    tilts = [straight]
-    if perspective:
-        tilts += [np.array([x, y]) for x in _TILTS for y in _TILTS if 0 < np.hypot(x, y) <= 0.75]
-    scored = [(_find_peaks(_power(small, tilt / (_SIZE / 2)), 1)[0], tilt) for tilt in tilts]
-    views = [straight]
+    scored = [(_find_peaks(_power(small, view / (_SIZE / 2)), 1)[0], view) for view in views]
     best_peak, best_tilt = max(scored, key=lambda item: item[0][0])
+    kept = [straight]
     if best_peak[0] > 1.1 * scored[0][0][0]:
-        views.append(_refine_tilt(small, best_tilt))
+        kept.append(_refine_tilt(small, best_tilt))
     found = []
-    for view in views:
+    for view in kept:
         tilt = view / (_SIZE / 2)
         for strength, fx, fy in _find_peaks(_power(small, tilt), per_map):
             # The frequency points across the courses; any of its two senses will do.

@@ -58,10 +58,14 @@ def joint_distances(lattice: Lattice, along: Array, across: Array) -> tuple[Arra
     row = (across - lattice.start[1]) / lattice.height
     course = np.floor(row)
     index = course.astype(int)
-    lengths = lattice.course_lengths[index % len(lattice.course_lengths)]
-    ends = np.cumsum(lengths, axis=-1)
     shift = lattice.offset * course + lattice.course_offsets[index % len(lattice.course_offsets)]
-    place = np.mod((along - lattice.start[0]) / lattice.width - shift, ends[..., -1])
-    to_ends = np.abs(place[..., None] - np.concatenate([np.zeros_like(ends[..., :1]), ends], axis=-1))
+    place = (along - lattice.start[0]) / lattice.width - shift
     bed = np.abs(row - np.round(row)) * lattice.height
-    return to_ends.min(-1) * lattice.width, bed
+    if lattice.course_lengths.size == 1:
+        return np.abs(place - np.round(place)) * lattice.width, bed
+    head = np.empty_like(place)
+    for number, lengths in enumerate(lattice.course_lengths):
+        mine = index % len(lattice.course_lengths) == number
+        ends = np.concatenate([[0.0], np.cumsum(lengths)])
+        head[mine] = np.abs(np.mod(place[mine], ends[-1])[:, None] - ends).min(-1)
+    return head * lattice.width, bed
