@@ -1,6 +1,7 @@
 """A fitted vector -> the tiling in the photograph's own pixels, with its name and its errors."""
 
 import dataclasses
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -74,9 +75,7 @@ def standard_errors(fitted: Fitted, size: tuple[int, int]) -> dict[str, float]:
     }
     variance = fitted.variance[[place(name) for name in units]]
     errors = {
-        name: float(np.sqrt(one)) * unit
-        for (name, unit), one in zip(units.items(), variance, strict=True)
-        if one > 0
+        name: float(np.sqrt(one)) * unit for (name, unit), one in zip(units.items(), variance, strict=True) if one > 0
     }
     return {"angle_deg" if name == "angle" else name: error for name, error in errors.items()}
 
@@ -98,7 +97,8 @@ def _visible_courses(tiling: Tiling, size: tuple[int, int]) -> Tiling:
     courses = np.arange(int(np.floor(across.min())), int(np.ceil(across.max())))
     offsets = np.zeros(len(courses))
     offsets[courses % len(courses)] = np.asarray(tiling.course_offsets)[courses % len(tiling.course_offsets)]
-    return dataclasses.replace(tiling, course_offsets=offsets)
+    changed: dict[str, Any] = {"course_offsets": offsets}
+    return dataclasses.replace(tiling, **changed)
 
 
 def _exact(homography: Array) -> Array:

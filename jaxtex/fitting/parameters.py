@@ -69,7 +69,7 @@ def read_free(free: NDArray[np.float64]) -> tuple[dict[str, float], NDArray[np.f
 
 
 def build_tiling(free: Array, course_lengths: Array, centre: Array) -> Tiling:
-    """The tiling that a vector stands for; ``centre`` (2,) is the point where perspective leaves lengths as they are."""
+    """The tiling that a vector stands for; ``centre`` (2,) is where perspective leaves lengths as they are."""
     values, course_offsets = from_free(free)
     tilt = jnp.stack([values["tilt_x"], values["tilt_y"]])
     return Tiling(

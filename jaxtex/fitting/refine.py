@@ -4,6 +4,7 @@ Double precision is switched on here, and here only, for as long as a solve last
 """
 
 from collections.abc import Iterable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -84,13 +85,14 @@ def observe(
     known = (x > margin) & (y > margin) & (x < size[0] - margin) & (y < size[1] - margin)
     extra = budget - len(x)
     # A pixel is itself a blur: a box of unit variance 1/12.
-    return Observation(
-        points=np.pad(np.stack([x, y], 1), ((0, extra), (0, 0))),
-        joint=np.pad(smooth[rows, columns].ravel(), (0, extra)),
-        weight=np.pad(known.astype(float), (0, extra)),
-        blur=np.sqrt(blur**2 + 1 / 12),
-        tolerance=np.asarray(tolerance),
-    )
+    parts: dict[str, Any] = {
+        "points": np.pad(np.stack([x, y], 1), ((0, extra), (0, 0))),
+        "joint": np.pad(smooth[rows, columns].ravel(), (0, extra)),
+        "weight": np.pad(known.astype(float), (0, extra)),
+        "blur": np.sqrt(blur**2 + 1 / 12),
+        "tolerance": np.asarray(tolerance),
+    }
+    return Observation(**parts)
 
 
 def shortest_pitch(start: Start) -> float:

@@ -8,6 +8,8 @@ single precision: that costs 1e-7 of a full contrast, while all places stay doub
 """
 
 import dataclasses
+from collections.abc import Sequence
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -29,7 +31,7 @@ def coverage_rows(free: Array, course_lengths: Array, centre: Array, points: Arr
     values, rates = jax.jvp(lambda free: from_free(free)[0], (free,), (jnp.ones_like(free),))
     x, y = points[:, 0] - centre[0], points[:, 1] - centre[1]
     view = [values[name] for name in _VIEW]
-    spot, push = jax.linearize(lambda *view: _spot_in_lattice(*view, x, y, blur), *view)
+    spot, push = jax.linearize(lambda *view: _spot_in_lattice(view, x, y, blur), *view)
     by_view = jax.vmap(push)(*jnp.eye(len(_VIEW), dtype=free.dtype))
 
     courses = jax.vmap(tiling.near_courses, out_axes=1)(jnp.stack(spot[:2], axis=1))
@@ -47,13 +49,12 @@ def coverage_rows(free: Array, course_lengths: Array, centre: Array, points: Arr
     return parts, jnp.concatenate([jnp.stack([rows[name] for name in SCALARS]), by_offset])
 
 
-def _spot_in_lattice(
-    angle: Array, origin_x: Array, origin_y: Array, tilt_x: Array, tilt_y: Array, shear: Array, x: Array, y: Array, blur: Array
-) -> tuple[Array, Array, Array, Array]:
+def _spot_in_lattice(view: Sequence[Array], x: Array, y: Array, blur: Array) -> tuple[Array, Array, Array, Array]:
     """Lattice coordinates of points (x, y) counted from the centre, and a spot's standard deviations along them.
 
     The same as the model's own with the homography of :mod:`jaxtex.models.perspective`, multiplied out.
     """
+    angle, origin_x, origin_y, tilt_x, tilt_y, shear = view
     c, s = jnp.cos(angle), jnp.sin(angle)
     depth = 1.0 + tilt_x * x + tilt_y * y
     across = (c * y - s * x) / depth
@@ -74,12 +75,14 @@ def _slopes(
     """Coverage (N,) by the near courses (2, N), and its derivatives by spot, sizes and shifts (2, N)."""
 
     def in_course(spot: tuple[Array, ...], sizes: list[Array], shift: Array, course: Array) -> Array:
-        shifted = dict(zip(_SIZES, sizes, strict=True), offset=jnp.zeros_like(shift), course_offsets=shift[None])
-        seen = dataclasses.replace(tiling, **shifted).spot_in_course(spot[:2], spot[2:], course)
+        own: dict[str, Any] = dict(zip(_SIZES, sizes, strict=True))
+        shifted = dataclasses.replace(tiling, **own, offset=jnp.zeros_like(shift), course_offsets=shift[None])
+        seen = shifted.spot_in_course(spot[:2], spot[2:], course)
         return jax.tree.map(lambda inside: inside.astype(jnp.float32), seen).covered().astype(shift.dtype)
 
     slope = jax.value_and_grad(in_course, argnums=(0, 1, 2))
     over_points = jax.vmap(slope, in_axes=(0, None, 0, 0))
-    parts, (by_spot, by_size, by_shift) = jax.vmap(over_points, in_axes=(None, None, 0, 0))(spot, sizes, shifts, courses)
+    over_courses = jax.vmap(over_points, in_axes=(None, None, 0, 0))
+    parts, (by_spot, by_size, by_shift) = over_courses(spot, sizes, shifts, courses)
     by_spot, by_size = jax.tree.map(lambda each: jnp.sum(each, axis=0), (by_spot, by_size))
     return jnp.sum(parts, axis=0), (by_spot, by_size, by_shift)

@@ -43,7 +43,7 @@ class Problem(NamedTuple):
     observation: Observation
 
 
-class Solution(NamedTuple):
+class Solution(eqx.Module):
     """``free`` (P,) found; ``cost``: sum of squared residuals, not robust, so that solutions which take more for dirt
     do not look better; ``variance`` (P,) of ``free`` from the curvature at the solution; ``count``: pixels used;
     ``steps`` taken."""
@@ -56,8 +56,8 @@ class Solution(NamedTuple):
 
 
 class Sums(NamedTuple):
-    """All that Gauss-Newton needs of N residuals r with Jacobian J by a step (P,) in pixels: ``curvature`` J^T J (P, P),
-    ``gradient`` J^T r (P,), ``robust`` r^T r; and ``cost``, the same sum before it was made robust."""
+    """All that Gauss-Newton needs of N residuals r with Jacobian J by a step (P,) in pixels: ``curvature`` J^T J
+    (P, P), ``gradient`` J^T r (P,), ``robust`` r^T r; and ``cost``, the same sum before it was made robust."""
 
     curvature: Array
     gradient: Array
@@ -87,8 +87,8 @@ def mask_residuals(step: Array, problem: Problem) -> tuple[Array, Sums]:
     """The residuals of the mask, turned into P + 1 numbers that a least-squares solver cannot tell from all N.
 
     With J = Q R, turning the residuals r by Q gives the P numbers Q^T r = R^-T J^T r, whose derivative is R, and a rest
-    that no small step changes. A turn leaves the sum of squares, the gradient and J^T J as they are, so the solver takes
-    the same steps, and handles some dozen numbers instead of a million. Q belongs to the step asked for and is
+    that no small step changes. A turn leaves the sum of squares, the gradient and J^T J as they are, so the solver
+    takes the same steps, and handles some dozen numbers instead of a million. Q belongs to the step asked for and is
     held while differentiating.
     """
     here = jax.lax.stop_gradient(step)
@@ -100,12 +100,12 @@ def mask_residuals(step: Array, problem: Problem) -> tuple[Array, Sums]:
 
 
 # In pixels of joints. Rounding in the single-precision error functions shows at steps twenty times smaller.
-_SOLVER = optx.LevenbergMarquardt(rtol=1e-4, atol=5e-4)
+_SOLVER: optx.LevenbergMarquardt[Array, Array, Sums] = optx.LevenbergMarquardt(rtol=1e-4, atol=5e-4)
 
 
 def solve(problem: Problem) -> Solution:
     """Levenberg-Marquardt from the problem's start. Never raises: a poor end is seen in the cost."""
-    answer = optx.least_squares(
+    answer: optx.Solution[Array, Sums] = optx.least_squares(
         mask_residuals, _SOLVER, jnp.zeros_like(problem.free), problem, has_aux=True, max_steps=30, throw=False
     )
     step, sums = answer.value, answer.state.aux

@@ -65,7 +65,7 @@ def start_fit(lattice: Lattice, size: tuple[float, float], *, perspective: bool)
     free = to_free(values, offsets)
     moving = np.ones(len(free))
     oblique = perspective and bool(lattice.shear or np.any(lattice.tilt))
-    held = ["corner_radius"] + ([] if oblique else list(VIEW)) + (["offset"] if kind in ("irregular", "english") else [])
+    held = ["corner_radius", *(() if oblique else VIEW), *(("offset",) if kind in ("irregular", "english") else ())]
     moving[[place(name) for name in held]] = 0.0
     if kind != "irregular":
         moving[len(SCALARS) :] = 0.0

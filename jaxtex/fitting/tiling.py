@@ -38,9 +38,9 @@ class TilingFit:
     ``ok`` is False where the picture shows no rectangular tiling or none was found; ``reason`` says why, and the other
     entries are the best guess. ``tiling``: the model, in pixels of the photograph; ``start``: what the spectrum and the
     scanlines gave, before least squares. ``mask`` [H, W]: the observed mask, 1 on tiles. ``rows``, ``columns``: courses
-    and tiles per course in the photograph. ``iou``: intersection over union of observed and rendered mask, mean of tiles
-    and joints. ``standard_errors``: by parameter, one standard deviation. ``evidence``: typical contrast of the predicted
-    bed and head joints in the mask. ``seconds`` spent, by step.
+    and tiles per course in the photograph. ``iou``: intersection over union of observed and rendered mask, mean of
+    tiles and joints. ``standard_errors``: by parameter, one standard deviation. ``evidence``: typical contrast of the
+    predicted bed and head joints in the mask. ``seconds`` spent, by step.
     """
 
     ok: bool
@@ -145,7 +145,8 @@ def _check_picture(
     if photo.ndim != 3 or photo.shape[2] not in (1, 3):
         raise InputError(f"the photograph has shape {photo.shape}; it must be [H, W], [H, W, 1] or [H, W, 3]")
     if min(photo.shape[:2]) < _SMALLEST:
-        raise InputError(f"the photograph has {photo.shape[1]} x {photo.shape[0]} pixels; {_SMALLEST} x {_SMALLEST} at least")
+        size = f"{photo.shape[1]} x {photo.shape[0]}"
+        raise InputError(f"the photograph has {size} pixels; it must have {_SMALLEST} x {_SMALLEST} at least")
     if not np.isfinite(photo).all():
         raise InputError(f"the photograph holds {int((~np.isfinite(photo)).sum())} numbers that are not finite")
     if mask is None:
@@ -168,7 +169,8 @@ def _choose_starts(reading: Reading, size: tuple[int, int], perspective: bool) -
     for lattice in reading.lattices:
         family = [other for other in worth if _same_courses(lattice, other)]
         # The likeliest courses may be laid in several bonds; others must not be crowded out by them.
-        room = len(family) < (_STARTS // 2 if family and family[0] is worth[0] or not worth else 2)
+        likeliest = not worth or bool(family and family[0] is worth[0])
+        room = len(family) < (_STARTS // 2 if likeliest else 2)
         if lattice.score >= best - _WORTH * max(abs(best), 0.5) and room and not _alike(lattice, family):
             worth.append(lattice)
     return [start_fit(lattice, working, perspective=perspective) for lattice in worth[:_STARTS]]

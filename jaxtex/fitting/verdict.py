@@ -36,9 +36,9 @@ def judge_fit(tiling: Tiling, joint: NDArray[np.float32]) -> Verdict:
     beds, heads, tiles = measure_joints(tiling, joint)
     with jax.enable_x64():
         rendered = np.asarray(coverage_grid(tiling, *joint.shape, blur=0.5))
-    found = [float(np.nanmedian(each)) if np.isfinite(each).any() else 0.0 for each in (beds, heads)]
-    reason = _find_fault(found[0], found[1], tiles)
-    return Verdict(not reason, reason or "", *found, tiles, mean_iou(joint < 0.5, rendered > 0.5))
+    bed, head = (float(np.nanmedian(each)) if np.isfinite(each).any() else 0.0 for each in (beds, heads))
+    reason = _find_fault(bed, head, tiles)
+    return Verdict(not reason, reason, bed, head, tiles, mean_iou(joint < 0.5, rendered > 0.5))
 
 
 def _find_fault(beds: float, heads: float, tiles: int) -> str:

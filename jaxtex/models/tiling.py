@@ -8,6 +8,7 @@ The way of a point (Lefebvre & Poulin 2000, section 2 and figure 2, with the ext
 Joints are centred on the lattice lines. Everything is a pure function of one point; callers `vmap`.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import equinox as eqx
@@ -140,7 +141,7 @@ class Tiling(eqx.Module):
         own = jnp.floor(q[1] / self.tile_height)
         return jnp.stack([own, own + jnp.where(q[1] - own * self.tile_height < 0.5 * self.tile_height, -1.0, 1.0)])
 
-    def spot_in_course(self, q: Array, blur: Array, course: Array) -> Spot:
+    def spot_in_course(self, q: Sequence[Array] | Array, blur: Sequence[Array] | Array, course: Array) -> Spot:
         """A Gaussian spot at the lattice point `q` (2,), of standard deviations `blur` (2,), seen from a course."""
         place = self._place_in_course(q, course)
         to_head = jnp.minimum(place.left, place.right)
@@ -166,7 +167,7 @@ class Tiling(eqx.Module):
         own, beside = self.near_courses(q)
         return self.spot_in_course(q, stretched, own), self.spot_in_course(q, stretched, beside)
 
-    def _place_in_course(self, q: Array, course: Array) -> TilePlace:
+    def _place_in_course(self, q: Sequence[Array] | Array, course: Array) -> TilePlace:
         rows = jnp.asarray(self.course_lengths)
         shift = self.offset * course + _take(jnp.asarray(self.course_offsets), course)
         lengths, ends = _take(rows, course), _take(jnp.cumsum(rows, axis=1), course)

@@ -37,12 +37,12 @@ def read_tiling(evidence: Evidence, *, perspective: bool = True, learn: bool = T
     lattices = find_lattices(evidence.joints, views, per_map=2 if learn else 4)
     if not learn:
         return Reading(evidence.features[..., 0], lattices)
-    joint = np.full(evidence.features.shape[:2], 0.5, np.float32)
+    joint: Map = np.full(evidence.features.shape[:2], 0.5, np.float32)
     for _ in range(_ROUNDS):
         if not lattices:
             break
         odds = learn_joints(evidence.features, lattices[0])
-        joint = 1 / (1 + np.exp(-odds))
+        joint = (1 / (1 + np.exp(-odds))).astype(np.float32)
         # In the odds, unlike in the probability, faint joints still stand out. The view is known by now.
         known = [lattice.tilt * max(joint.shape) / 2 for lattice in lattices[:3]]
         lattices = find_lattices({"learnt": odds - odds.mean()}, [views[0], *known], per_map=4)
@@ -57,7 +57,7 @@ def find_lattices(joints: dict[str, Map], views: list[NDArray[np.float64]], *, p
 
 
 def learn_joints(features: Map, lattice: Lattice) -> Map:
-    """Log-odds (H, W) that a pixel is joint, within +-8: a linear discriminant of ``features`` (H, W, F) taught by a lattice."""
+    """Log-odds (H, W), within +-8, that a pixel is joint: a discriminant of ``features`` (H, W, F)."""
     height, width = features.shape[:2]
     x, y = np.meshgrid(np.arange(width) + 0.5 - width / 2, np.arange(height) + 0.5 - height / 2)
     head, bed = joint_distances(lattice, *to_strips(lattice, x, y))

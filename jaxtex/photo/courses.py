@@ -29,8 +29,8 @@ class Courses(NamedTuple):
     """A family of courses, in pixels of the map it was found in, relative to the map's centre.
 
     ``tilt`` (2,): plane point p = x / (1 + tilt . x) for image point x, both from the centre. ``angle``: direction of
-    the courses in the plane, radians. ``height``: their pitch. ``strength``: share of the map's energy that repeats with
-    them. ``evidence``: name of the map.
+    the courses in the plane, radians. ``height``: their pitch. ``strength``: share of the map's energy that repeats
+    with them. ``evidence``: name of the map.
     """
 
     tilt: NDArray[np.float64]
@@ -135,8 +135,10 @@ _FY, _FX = _comb_frequencies()
 
 
 def _find_peaks(power: Map, count: int) -> list[tuple[float, float, float]]:
-    """The ``count`` strongest (strength, fx, fy): energy at a frequency and its harmonics, sub-bin position. If more than
-    one is wanted, also the strongest across the first, and sums and differences of the first few."""
+    """The ``count`` strongest (strength, fx, fy): energy at a frequency and its harmonics, with sub-bin position.
+
+    If more than one is wanted, also the strongest across the first, and at sums and differences of the first few.
+    """
     comb = np.zeros(_FY.shape, np.float32)
     for k in range(1, _HARMONICS + 1):
         fy, fx = k * _FY, k * _FX
@@ -154,15 +156,15 @@ def _find_peaks(power: Map, count: int) -> list[tuple[float, float, float]]:
         take(comb)
     if count > 1:
         # Narrow tiles repeat more strongly along the courses than across: the other direction is always worth a look.
-        _, fx, fy = peaks[0]
-        across = np.abs(_FX * fx + _FY * fy) < _UPRIGHT * np.hypot(_FX, _FY) * np.hypot(fx, fy)
+        _, x, y = peaks[0]
+        across = np.abs(_FX * x + _FY * y) < _UPRIGHT * np.hypot(_FX, _FY) * np.hypot(x, y)
         take(np.where(across, comb, 0.0))
         # Shifted courses of short tiles look like slanting ones, leaning both ways; the courses are their difference.
         for one, other in combinations(peaks[: min(count, 3)], 2):
             for sign in (1, -1):
-                fx, fy = (one[i] + sign * other[i] for i in (1, 2))
-                fx, fy = (fx, fy) if fx >= 0 else (-fx, -fy)
-                take(np.where(np.hypot(_FX - fx, _FY - fy) < 4, comb, 0.0))
+                x, y = (one[i] + sign * other[i] for i in (1, 2))
+                x, y = (x, y) if x >= 0 else (-x, -y)
+                take(np.where(np.hypot(_FX - x, _FY - y) < 4, comb, 0.0))
     return [peak for peak in peaks if peak[0] > 0]
 
 

@@ -25,8 +25,8 @@ _COLOURED = 2.0
 class Evidence(NamedTuple):
     """Maps made from one photograph, all of one shape (H, W).
 
-    ``joints`` names each map of likely joints (zero mean, about unit spread, positive on joints); ``features`` (H, W, F)
-    are the plain measurements from which a joint can be told from a tile once the lattice is known.
+    ``joints`` names each map of likely joints (zero mean, about unit spread, positive on joints); ``features`` (H, W,
+    F) are the plain measurements from which a joint can be told from a tile once the lattice is known.
     """
 
     joints: dict[str, Map]

@@ -57,7 +57,8 @@ def joint_distances(lattice: Lattice, along: Array, across: Array) -> tuple[Arra
     """Distance of lattice points to the nearest head joint's and the nearest bed joint's centre line."""
     row = (across - lattice.start[1]) / lattice.height
     course = np.floor(row)
-    index = course.astype(int)
+    # Points beyond the horizon have no course; their NaN goes on into both distances.
+    index = np.nan_to_num(course).astype(int)
     shift = lattice.offset * course + lattice.course_offsets[index % len(lattice.course_offsets)]
     place = (along - lattice.start[0]) / lattice.width - shift
     bed = np.abs(row - np.round(row)) * lattice.height
