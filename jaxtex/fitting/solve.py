@@ -4,7 +4,7 @@ The residual is a module-level function with its data in ``args``, and every cho
 parameters move, blur, robustness, number of pixels used) is data too: one compilation per size of problem serves all.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -105,8 +105,10 @@ _SOLVER: optx.LevenbergMarquardt[Array, Array, Sums] = optx.LevenbergMarquardt(r
 
 def solve(problem: Problem) -> Solution:
     """Levenberg-Marquardt from the problem's start. Never raises: a poor end is seen in the cost."""
+    fn: Any = mask_residuals
+    start = jnp.zeros_like(problem.free)
     answer: optx.Solution[Array, Sums] = optx.least_squares(
-        mask_residuals, _SOLVER, jnp.zeros_like(problem.free), problem, has_aux=True, max_steps=30, throw=False
+        fn, _SOLVER, start, problem, has_aux=True, max_steps=30, throw=False
     )
     step, sums = answer.value, answer.state.aux
     to_free = problem.scale * problem.moving
