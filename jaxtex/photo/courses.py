@@ -67,6 +67,8 @@ def find_courses(joints: dict[str, Map], *, views: list[Array], per_map: int = 2
 def _search_map(name: str, whole: Map, views: list[Array], per_map: int) -> list[Courses]:
     small, scale = _reduce(whole)
     straight = np.zeros(2)
+    if not np.ptp(small) > 0:
+        return []
     scored = [(_find_peaks(_power(small, view / (_SIZE / 2)), 1)[0], view) for view in views]
     best_peak, best_tilt = max(scored, key=lambda item: item[0][0])
     kept = [straight]
@@ -165,7 +167,7 @@ def _find_peaks(power: Map, count: int) -> list[tuple[float, float, float]]:
                 x, y = (one[i] + sign * other[i] for i in (1, 2))
                 x, y = (x, y) if x >= 0 else (-x, -y)
                 take(np.where(np.hypot(_FX - x, _FY - y) < 4, comb, 0.0))
-    return [peak for peak in peaks if peak[0] > 0]
+    return peaks[:count] + [peak for peak in peaks[count:] if peak[0] > 0]
 
 
 def _vertex(power: Map, fy: int, fx: int, axis: int) -> float:
