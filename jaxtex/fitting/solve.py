@@ -4,6 +4,8 @@ The residual is a module-level function with its data in ``args``, and every cho
 parameters move, blur, robustness, number of pixels used) is data too: one compilation per size of problem serves all.
 """
 
+from collections.abc import Callable
+from contextvars import ContextVar
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -126,4 +128,11 @@ def solve(problem: Problem) -> Solution:
     )
 
 
-solve_one = eqx.filter_jit(solve)
+_solve_alone = eqx.filter_jit(solve)
+SOLVER: ContextVar[Callable[[Problem], Solution]] = ContextVar("SOLVER", default=_solve_alone)  # noqa: B039
+"""How :func:`solve_one` solves: compiled and alone, unless a batch of fits sets another way."""
+
+
+def solve_one(problem: Problem) -> Solution:
+    """:func:`solve`, compiled."""
+    return SOLVER.get()(problem)
