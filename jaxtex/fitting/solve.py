@@ -129,7 +129,7 @@ def solve(problem: Problem) -> Solution:
 
 
 _solve_alone = eqx.filter_jit(solve)
-SOLVER: ContextVar[Callable[[Problem], Solution]] = ContextVar("SOLVER", default=_solve_alone)  # noqa: B039
+SOLVER: ContextVar[Callable[[Problem], Solution]] = ContextVar("SOLVER", default=_solve_alone)
 """How :func:`solve_one` solves: compiled and alone, unless a batch of fits sets another way."""
 
 
