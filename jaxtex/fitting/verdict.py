@@ -78,7 +78,8 @@ def find_wrong_sizes(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[float,
     head, bed, along, across = (each[np.isfinite(each)] for each in (head, bed, along, across))
     if not (len(head) and len(bed) and len(along) and len(across)):
         return 0.0, 0.0
-    seen_head, seen_bed = (0.5 * max(float(np.quantile(each, 0.85)), 0.1) for each in (head, bed))
+    # Faint joints count as seen: on one wall some may be wide and others hairlines.
+    seen_head, seen_bed = (0.3 * max(float(np.quantile(each, 0.85)), 0.1) for each in (head, bed))
     missing = max(float(np.mean(head < seen_head)), float(np.mean(bed < seen_bed)))
     return missing, max(float(np.mean(along > seen_head)), float(np.mean(across > seen_bed)))
 
