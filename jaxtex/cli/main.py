@@ -172,6 +172,8 @@ def _set_up_jax() -> None:
     # Each kernel read back from the cache would be announced on stderr as an error: its compiler's preferences (such as
     # +prefer-no-gather) are no features of the processor. Errors that matter come as exceptions.
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
+    # NumPy's products here are small; waking a second thread for each costs many times what it saves.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if "JAX_COMPILATION_CACHE_DIR" in os.environ:
         return
     folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "jaxtex" / "xla"
