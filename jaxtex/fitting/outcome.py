@@ -3,6 +3,7 @@
 import dataclasses
 from typing import Any
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -22,19 +23,7 @@ _SAME_BOND = 0.04  # tiles: offsets this near to none or to a half are called st
 
 def tiling_of(free: Array, start: Start, size: tuple[int, int]) -> Tiling:
     """The tiling of a vector found in the working picture, in a photograph of ``size`` (width, height) pixels."""
-    scale = max(size) / max(start.size)
-    with jax.enable_x64():
-        tiling = build_tiling(jnp.asarray(free), jnp.asarray(start.course_lengths), jnp.asarray(start.size) / 2)
-        tiling = jax.tree.map(lambda leaf: np.asarray(leaf, float), tiling)
-    grow = np.diag([scale, scale, 1.0])
-    tiling = dataclasses.replace(
-        tiling,
-        **{name: getattr(tiling, name) * scale for name in ("tile_width", "tile_height", "mortar_x", "mortar_y")},
-        origin=tiling.origin * scale,
-        homography=_exact(grow @ tiling.homography @ np.linalg.inv(grow)),
-        corner_radius=np.zeros(()),
-        bond=name_bond(free, start.kind),
-    )
+    tiling = dataclasses.replace(tiling_seen(free, start, size), bond=name_bond(free, start.kind))
     if start.kind == "irregular":
         tiling = _visible_courses(tiling, size)
     centre = np.asarray(size) / 2
@@ -43,6 +32,25 @@ def tiling_of(free: Array, start: Start, size: tuple[int, int]) -> Tiling:
         with jax.enable_x64():
             tiling = jax.tree.map(lambda leaf: np.asarray(leaf, float), normalise_view(tiling, centre))
     return nearest_node(tiling, centre)
+
+
+def tiling_seen(free: Array, start: Start, size: tuple[int, int]) -> Tiling:
+    """The same, written as the solver found it: not yet in the form that model files hold."""
+    scale = max(size) / max(start.size)
+    with jax.enable_x64():
+        centre = np.asarray(start.size) / 2
+        tiling = jax.device_get(_build(jnp.asarray(free, float), jnp.asarray(start.course_lengths, float), jnp.asarray(centre)))
+    grow = np.diag([scale, scale, 1.0])
+    return dataclasses.replace(
+        tiling,
+        **{name: getattr(tiling, name) * scale for name in ("tile_width", "tile_height", "mortar_x", "mortar_y")},
+        origin=tiling.origin * scale,
+        homography=_exact(grow @ tiling.homography @ np.linalg.inv(grow)),
+        corner_radius=np.zeros(()),
+    )
+
+
+_build = eqx.filter_jit(build_tiling)
 
 
 def name_bond(free: Array, kind: str) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from jaxtex.fitting.outcome import tiling_of
+from jaxtex.fitting.outcome import tiling_seen
 from jaxtex.fitting.parameters import SCALARS, VIEW, place, read_free, to_free
 from jaxtex.fitting.solve import Observation, Problem, solve_one
 from jaxtex.fitting.start import Fitted, Start
@@ -22,8 +22,8 @@ from jaxtex.photo.lattice import MEASUREMENTS
 
 Array = NDArray[np.float64]
 
-# Pixels used by a solve: sizes are few, so that pictures of all sizes share compilations.
-_COARSE, _FINE = 1 << 14, 1 << 16
+# Most pixels used by a solve, from coarse to fine: few sizes, so that pictures of all sizes share compilations.
+_BUDGETS = (1 << 12, 1 << 14, 1 << 16)
 # A seamless picture's own period is believed unless it explains the mask worse than this ratio of squared residuals.
 _REPEATS = 1.2
 # Shares of joints missing, and of tiles split in the middle, that a right lattice may have; and what each further share
@@ -31,21 +31,31 @@ _REPEATS = 1.2
 _MISSING, _SPLIT, _DOUBT = 0.2, 0.15, 3.0
 
 
-def refine_all(starts: list[Start], joint: NDArray[np.float32], *, wraps: tuple[bool, bool]) -> Fitted:
-    """The best of several starts on a map of joints (H, W) of the working picture, refined coarse to fine."""
+def refine_all(
+    starts: list[Start], joint: NDArray[np.float32], *, wraps: tuple[bool, bool] = (False, False), sharp: bool = False
+) -> Fitted:
+    """The best of several starts on a map of joints (H, W) of the working picture, refined coarse to fine.
+
+    ``wraps``: whether the picture is seamless in x and y. ``sharp``: the map is a mask whose borders are where they
+    should be to the pixel, and its errors come pixel by pixel: so the last level uses every pixel as it is.
+    """
+    level = next((n for n in (1, 2) if joint.size <= _BUDGETS[n]), 2)
     pitch = min(shortest_pitch(start) for start in starts)
     blur = float(np.clip(0.08 * pitch, 1.5, 6.0))
-    coarse = observe(joint, starts[0].size, blur=blur, tolerance=0.5, budget=_COARSE)
+    coarse = observe(joint, starts[0].size, blur=blur, tolerance=0.5, budget=_BUDGETS[level - 1])
     ended = sorted((_doubt(refine(start, coarse), joint) for start in starts), key=lambda fitted: fitted.criterion)
     pitch = shortest_pitch(ended[0].start)
     blur = float(np.clip(0.04 * pitch, 0.8, 1.5))
-    seen = observe(joint, starts[0].size, blur=blur, tolerance=0.3, budget=_FINE)
+    seen = observe(joint, starts[0].size, blur=blur, tolerance=0.3, budget=_BUDGETS[level])
     # Only ends that the coarse level can hardly tell apart are worth the fine one.
     close = [fitted for fitted in ended[:2] if fitted.criterion < ended[0].criterion + 0.1]
     best = _best(_doubt(_go_on(fitted, seen), joint) for fitted in close)
     best = best._replace(criterion=criterion(best.mean_square, best.start))
     repeated = _repeat(best, seen, wraps)
-    return repeated if repeated is not None else _choose_view(_choose_bond(best, seen), seen)
+    best = repeated if repeated is not None else _choose_view(_choose_bond(best, seen), seen)
+    if sharp and joint.size <= _BUDGETS[level]:
+        best = _go_on(best, observe(joint, best.start.size, blur=0.0, tolerance=1.0, budget=_BUDGETS[level]))
+    return best
 
 
 def refine(start: Start, seen: Observation) -> Fitted:
@@ -107,7 +117,7 @@ def _doubt(fitted: Fitted, joint: NDArray[np.float32]) -> Fitted:
     The criterion alone forgives joints too many or too few where they are faint, or hidden among few others.
     """
     rows, columns = joint.shape
-    missing, split = find_wrong_sizes(tiling_of(fitted.free, fitted.start, (columns, rows)), joint)
+    missing, split = find_wrong_sizes(tiling_seen(fitted.free, fitted.start, (columns, rows)), joint)
     doubt = max(missing - _MISSING, 0.0) + max(split - _SPLIT, 0.0)
     return fitted._replace(criterion=fitted.criterion + _DOUBT * doubt)
 

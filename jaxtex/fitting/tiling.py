@@ -113,7 +113,7 @@ def fit_tiling(
     wraps = find_wrap(working) if mask is None else (False, False)
     starts = _choose_starts(reading, (width, height), perspective and not all(wraps))
     starts = [apply_choices(start, (width, height), fix or {}, init or {}) for start in starts]
-    fitted = refine_all(starts, reading.joint, wraps=wraps)
+    fitted = refine_all(starts, reading.joint, wraps=wraps, sharp=mask is not None)
     clock.append(time.perf_counter())
     tell(3, 4)
     tiling = tiling_of(fitted.free, fitted.start, (width, height))

@@ -53,8 +53,13 @@ def find_courses(joints: dict[str, Map], *, views: list[Array], per_map: int = 2
     them apart when courses are few.
     """
     found: list[Courses] = []
-    for name, whole in joints.items():
-        found += _search_map(name, whole, views, per_map)
+    small = {name: _reduce(whole) for name, whole in joints.items()}
+    shape = next(iter(small.values())).shape
+    scale = max(shape) / max(next(iter(joints.values())).shape)
+    rays = [_trace(shape, view) for view in views]
+    for name, reduced in small.items():
+        if np.ptp(reduced) > 0:
+            found += _search_map(name, reduced, scale, rays, per_map)
     found.sort(key=lambda courses: -courses.strength)
     kept: list[Courses] = []
     extent = max(next(iter(joints.values())).shape)
@@ -64,20 +69,47 @@ def find_courses(joints: dict[str, Map], *, views: list[Array], per_map: int = 2
     return kept[:most]
 
 
-def _search_map(name: str, whole: Map, views: list[Array], per_map: int) -> list[Courses]:
-    small, scale = _reduce(whole)
-    straight = np.zeros(2)
-    if not np.ptp(small) > 0:
-        return []
-    scored = [(_find_peaks(_power(small, view / (_SIZE / 2)), 1)[0], view) for view in views]
-    best_peak, best_tilt = max(scored, key=lambda item: item[0][0])
-    kept = [straight]
+class _Rays(NamedTuple):
+    """What a ``view`` of the plane sees of a map: sample n of the transform's box, ``at`` (N,), is a mean of four
+    pixels, ``pixels`` (4, N) by ``shares`` (4, N), counted along the flattened box and map; ``taper`` (N,) falls to
+    nought at the map's border."""
+
+    view: Array
+    at: NDArray[np.intp]
+    pixels: NDArray[np.intp]
+    shares: Map
+    taper: Map
+
+
+def _trace(shape: tuple[int, int], view: Array) -> _Rays:
+    height, width = shape
+    tilt = view / (_SIZE / 2)
+    p = np.arange(_BOX) + 0.5 - _BOX / 2
+    depth = 1.0 - (tilt[0] * p[None, :] + tilt[1] * p[:, None])
+    depth = np.where(depth > 0.3, depth, np.inf)
+    x, y = p[None, :] / depth, p[:, None] / depth
+    inside = (np.abs(x) < width / 2) & (np.abs(y) < height / 2) & np.isfinite(depth)
+    x, y = x[inside], y[inside]
+    taper = (np.cos(np.pi * x / width) * np.cos(np.pi * y / height)) ** 2
+    column, row = (np.clip(v + n / 2 - 0.5, 0, n - 1.001) for v, n in ((x, width), (y, height)))
+    left, top = column.astype(np.intp), row.astype(np.intp)
+    pixels = top * width + left + np.array([[0], [1], [width], [width + 1]])
+    right, down = column - left, row - top
+    shares = np.stack([(1 - right) * (1 - down), right * (1 - down), (1 - right) * down, right * down])
+    return _Rays(view, np.flatnonzero(inside), pixels, shares.astype(np.float32), taper.astype(np.float32))
+
+
+def _search_map(name: str, small: Map, scale: float, rays: list[_Rays], per_map: int) -> list[Courses]:
+    """Course families of one map, reduced by ``scale``; the first of the views is the straight one."""
+    scored = [(_find_peaks(_power(small, each), 1)[0], each) for each in rays]
+    best_peak, best = max(scored, key=lambda item: item[0][0])
+    kept = [rays[0]]
     if best_peak[0] > 1.1 * scored[0][0][0]:
-        kept.append(_refine_tilt(small, best_tilt))
+        kept.append(_refine_view(small, best))
     found = []
-    for view in kept:
-        tilt = view / (_SIZE / 2)
-        for strength, fx, fy in _find_peaks(_power(small, tilt), per_map):
+    for each in kept:
+        tilt = each.view / (_SIZE / 2)
+        for strength, fx, fy in _find_peaks(_power(small, each), per_map):
             # The frequency points across the courses; any of its two senses will do.
             angle = np.arctan2(fy, fx) - np.pi / 2
             height = _BOX / np.hypot(fx, fy) / scale
@@ -85,41 +117,36 @@ def _search_map(name: str, whole: Map, views: list[Array], per_map: int) -> list
     return found
 
 
-def _refine_tilt(small: Map, tilt: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Climb to the tilt of the sharpest peak by halving steps around the best of the coarse search."""
+def _refine_view(small: Map, best: _Rays) -> _Rays:
+    """Climb to the view of the sharpest peak by halving steps around the best of the coarse search."""
     step = (_TILTS[1] - _TILTS[0]) / 2
-    score = _find_peaks(_power(small, tilt / (_SIZE / 2)), 1)[0][0]
+    score = _find_peaks(_power(small, best), 1)[0][0]
     for _ in range(3):
-        around = [tilt + step * np.array([x, y]) for x in (-1, 0, 1) for y in (-1, 0, 1) if x or y]
-        scores = [_find_peaks(_power(small, other / (_SIZE / 2)), 1)[0][0] for other in around]
+        turns = [np.array([x, y]) for x in (-1, 0, 1) for y in (-1, 0, 1) if x or y]
+        around = [_trace(small.shape, best.view + step * turn) for turn in turns]
+        scores = [_find_peaks(_power(small, each), 1)[0][0] for each in around]
         if max(scores) > score:
-            tilt, score = around[int(np.argmax(scores))], max(scores)
+            best, score = around[int(np.argmax(scores))], max(scores)
         step /= 2
-    return tilt
+    return best
 
 
-def _reduce(whole: Map) -> tuple[Map, float]:
+def _reduce(whole: Map) -> Map:
     scale = min(1.0, _SIZE / max(whole.shape))
     if scale == 1.0:
-        return whole, 1.0
+        return whole
     smooth = ndimage.gaussian_filter(whole, 0.4 / scale)
     shape = [round(n * scale) for n in whole.shape]
     zoom = [n / m for n, m in zip(shape, whole.shape, strict=True)]
-    return ndimage.zoom(smooth, zoom, order=1, grid_mode=True, mode="nearest"), scale
+    return ndimage.zoom(smooth, zoom, order=1, grid_mode=True, mode="nearest")
 
 
-def _power(small: Map, tilt: NDArray[np.float64]) -> Map:
+def _power(small: Map, rays: _Rays) -> Map:
     """Power spectrum (BOX, BOX // 2 + 1) of the map as the plane shows it, tapered in the picture, unit energy."""
-    height, width = small.shape
-    p = np.arange(_BOX) + 0.5 - _BOX / 2
-    depth = 1.0 - (tilt[0] * p[None, :] + tilt[1] * p[:, None])
-    depth = np.where(depth > 0.3, depth, np.inf)
-    x, y = p[None, :] / depth, p[:, None] / depth
-    inside = (np.abs(x) < width / 2) & (np.abs(y) < height / 2) & np.isfinite(depth)
-    taper = np.where(inside, (np.cos(np.pi * x / width) * np.cos(np.pi * y / height)) ** 2, 0.0)
-    values = ndimage.map_coordinates(small, [y + height / 2 - 0.5, x + width / 2 - 0.5], order=1, mode="nearest")
-    values = (values - (values * taper).sum() / taper.sum()) * taper
-    power = np.abs(fft.rfft2(values.astype(np.float32))) ** 2
+    values = (np.take(small.ravel(), rays.pixels) * rays.shares).sum(0)
+    box = np.zeros(_BOX * _BOX, np.float32)
+    box[rays.at] = (values - np.average(values, weights=rays.taper)) * rays.taper
+    power = np.abs(fft.rfft2(box.reshape(_BOX, _BOX))) ** 2
     # Columns other than the first stand for two frequencies each.
     return power / max(float(power.sum() - 0.5 * power[:, 0].sum()), 1e-30)
 
