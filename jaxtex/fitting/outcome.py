@@ -39,7 +39,9 @@ def tiling_seen(free: Array, start: Start, size: tuple[int, int]) -> Tiling:
     scale = max(size) / max(start.size)
     with jax.enable_x64():
         centre = np.asarray(start.size) / 2
-        tiling = jax.device_get(_build(jnp.asarray(free, float), jnp.asarray(start.course_lengths, float), jnp.asarray(centre)))
+        tiling = jax.device_get(
+            _build(jnp.asarray(free, float), jnp.asarray(start.course_lengths, float), jnp.asarray(centre))
+        )
     grow = np.diag([scale, scale, 1.0])
     return dataclasses.replace(
         tiling,

@@ -10,13 +10,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jaxtex.photo.courses import Map, all_views, find_courses
+from jaxtex.photo.courses import Map, all_views, find_courses, same_courses
 from jaxtex.photo.evidence import Evidence, find_evidence, shrink
-from jaxtex.photo.lattice import Lattice, joint_distances, to_strips
+from jaxtex.photo.lattice import Lattice, joint_distances, list_rows, to_strips
 from jaxtex.photo.scanlines import scan_courses
 
 WORKING_SIZE = 512
 _ROUNDS = 2
+_BY_HAND, _DRAWN = 0.08, 0.02  # how exactly courses are laid in a photograph, and in a mask
+_RECONSIDERED = 3  # lattices whose nodes are tried in other rows
 _SHRINKAGE = 0.02  # of the within-class covariance towards its diagonal
 
 
@@ -34,9 +36,9 @@ def read_tiling(evidence: Evidence, *, perspective: bool = True, learn: bool = T
     Without ``learn`` the only feature is itself the probability of a joint: the user's mask.
     """
     views = all_views(perspective)
-    lattices = find_lattices(evidence.joints, views, per_map=2 if learn else 4)
     if not learn:
-        return Reading(evidence.features[..., 0], lattices)
+        return Reading(evidence.features[..., 0], find_lattices(evidence.joints, views, per_map=4, aligned=_DRAWN))
+    lattices = find_lattices(evidence.joints, views, per_map=2)
     joint: Map = np.full(evidence.features.shape[:2], 0.5, np.float32)
     for _ in range(_ROUNDS):
         if not lattices:
@@ -49,10 +51,27 @@ def read_tiling(evidence: Evidence, *, perspective: bool = True, learn: bool = T
     return Reading(joint, lattices)
 
 
-def find_lattices(joints: dict[str, Map], views: list[NDArray[np.float64]], *, per_map: int) -> list[Lattice]:
-    """All guesses from all maps (H, W), best first."""
+def find_lattices(
+    joints: dict[str, Map], views: list[NDArray[np.float64]], *, per_map: int, aligned: float = _BY_HAND
+) -> list[Lattice]:
+    """All guesses from all maps (H, W), best first; ``aligned`` as in :func:`scan_courses`."""
     families = find_courses(joints, views=views, per_map=per_map)
-    lattices = [lattice for family in families for lattice in scan_courses(joints[family.evidence], family)]
+    lattices: list[Lattice] = []
+    extent = max(next(iter(joints.values())).shape)
+    found = [
+        (lattice, family)
+        for family in families
+        for lattice in scan_courses(joints[family.evidence], family, aligned=aligned)
+    ]
+    found.sort(key=lambda each: -each[0].score)
+    # Shifted courses of narrow tiles look like courses that slant: nodes tell which courses they may lie on.
+    for lattice, family in found[:_RECONSIDERED]:
+        for angle, height in list_rows(lattice):
+            other = family._replace(angle=angle, height=height)
+            if not any(same_courses(other, known, extent) for known in families):
+                families.append(other)
+                lattices += scan_courses(joints[other.evidence], other, aligned=aligned)
+    lattices += [lattice for lattice, _ in found]
     return sorted(lattices, key=lambda lattice: -lattice.score)
 
 

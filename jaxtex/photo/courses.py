@@ -6,7 +6,6 @@ the search runs over the two numbers of perspective and keeps the sharpest peaks
 left to the scanlines.
 """
 
-from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -64,7 +63,7 @@ def find_courses(joints: dict[str, Map], *, views: list[Array], per_map: int = 2
     kept: list[Courses] = []
     extent = max(next(iter(joints.values())).shape)
     for courses in found:
-        if not any(_alike(courses, other, extent) for other in kept):
+        if not any(same_courses(courses, other, extent) for other in kept):
             kept.append(courses)
     return kept[:most]
 
@@ -166,7 +165,7 @@ _FY, _FX = _comb_frequencies()
 def _find_peaks(power: Map, count: int) -> list[tuple[float, float, float]]:
     """The ``count`` strongest (strength, fx, fy): energy at a frequency and its harmonics, with sub-bin position.
 
-    If more than one is wanted, also the strongest across the first, and at sums and differences of the first few.
+    If more than one is wanted, also the strongest across the first.
     """
     comb = np.zeros(_FY.shape, np.float32)
     for k in range(1, _HARMONICS + 1):
@@ -188,12 +187,6 @@ def _find_peaks(power: Map, count: int) -> list[tuple[float, float, float]]:
         _, x, y = peaks[0]
         across = np.abs(_FX * x + _FY * y) < _UPRIGHT * np.hypot(_FX, _FY) * np.hypot(x, y)
         take(np.where(across, comb, 0.0))
-        # Shifted courses of short tiles look like slanting ones, leaning both ways; the courses are their difference.
-        for one, other in combinations(peaks[: min(count, 3)], 2):
-            for sign in (1, -1):
-                x, y = (one[i] + sign * other[i] for i in (1, 2))
-                x, y = (x, y) if x >= 0 else (-x, -y)
-                take(np.where(np.hypot(_FX - x, _FY - y) < 4, comb, 0.0))
     return peaks[:count] + [peak for peak in peaks[count:] if peak[0] > 0]
 
 
@@ -210,7 +203,7 @@ def _vertex(power: Map, fy: int, fx: int, axis: int) -> float:
     return float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5)) if bend < 0 else 0.0
 
 
-def _alike(a: Courses, b: Courses, extent: int) -> bool:
+def same_courses(a: Courses, b: Courses, extent: int) -> bool:
     """Whether two families cannot be told apart over a picture of this extent."""
     turn = abs((a.angle - b.angle + np.pi / 2) % np.pi - np.pi / 2)
     per_picture = extent / a.height

@@ -70,3 +70,16 @@ def joint_distances(lattice: Lattice, along: Array, across: Array) -> tuple[Arra
         ends = np.concatenate([[0.0], np.cumsum(lengths)])
         head[mine] = np.abs(np.mod(place[mine], ends[-1])[:, None] - ends).min(-1)
     return head * lattice.width, bed
+
+
+def list_rows(lattice: Lattice) -> list[tuple[float, float]]:
+    """Ways to see the nodes of a lattice as rows: (angle, height) of courses along each of its shortest steps."""
+    if lattice.bond not in ("stack", "running", "raking"):
+        return []
+    along = np.array([lattice.width, 0.0])
+    down = np.array([(lattice.offset * lattice.width + lattice.shear * lattice.height), lattice.height])
+    down = down - np.round(down[0] / along[0]) * along
+    steps = [down, *(down + n * along for n in (-1, 1)), *(2 * down + n * along for n in (-1, 1))]
+    steps.sort(key=lambda step: float(np.hypot(*step)))
+    area = lattice.width * lattice.height
+    return [(lattice.angle + float(np.arctan2(*step[::-1])), area / float(np.hypot(*step))) for step in steps[:3]]

@@ -22,7 +22,6 @@ _SHEARS = np.linspace(-0.5, 0.5, 21)
 _MARGIN = 0.22  # share of a course's height at either side that may belong to the bed joint
 _FEWEST_TILES = 1.3  # tiles along the longest scanline
 _WIDTHS = 4  # tile widths tried for each lean
-_ALIGNED = 0.08  # courses closer than this (upper quartile, in tiles) to a regular bond are laid in it, by hand
 _JOINT_SHARES = (0.06, 0.12, 0.24)  # joint thickness tried, as a share of the course's height
 
 Array = NDArray[np.float64]
@@ -65,15 +64,18 @@ class Bond(NamedTuple):
     fit: float
 
 
-def scan_courses(joints: Map, courses: Courses, *, most: int = 4) -> list[Lattice]:
-    """Guesses at the whole tiling for one course family in the map (H, W) it was found in, best first."""
+def scan_courses(joints: Map, courses: Courses, *, aligned: float, most: int = 4) -> list[Lattice]:
+    """Guesses at the whole tiling for one course family in the map (H, W) it was found in, best first.
+
+    Courses ``aligned`` to a regular bond within this many tiles (upper quartile) are taken to be laid in it.
+    """
     strips = lay_strips(joints, courses)
     scanlines = take_scanlines(strips)
     if len(scanlines.number) < 2:
         return []
     guesses = []
     for lean, width in find_widths(scanlines):
-        guesses += [(bond, lean, width) for bond in guess_bonds(scanlines, lean, width)]
+        guesses += [(bond, lean, width) for bond in guess_bonds(scanlines, lean, width, aligned)]
     guesses.sort(key=lambda guess: -guess[0].fit)
     # Irregular bonds always explain most; each kind is judged on the map before any is left out.
     free = [guess for guess in guesses if guess[0].name == "irregular"][:most]
@@ -135,14 +137,14 @@ def find_widths(scanlines: Scanlines) -> list[tuple[int, float]]:
     return found
 
 
-def guess_bonds(scanlines: Scanlines, lean: int, width: float) -> list[Bond]:
+def guess_bonds(scanlines: Scanlines, lean: int, width: float, aligned: float) -> list[Bond]:
     """One guess per kind of bond: common offset, English, Flemish, and every course by itself."""
     response = _respond(scanlines, lean, width, (1.0,))
     by_phase = response.by_phase()
     regular = _regular(scanlines, response, np.ones((1, 1)))
     bonds = [regular]
     irregular, deviation = _irregular(scanlines, by_phase, response.energy, regular)
-    if deviation > _ALIGNED:
+    if deviation > aligned:
         bonds.append(irregular)
     if len(scanlines.number) >= 4 and width >= 12:
         headers = _respond(scanlines, lean, width / 2, (1.0,))
