@@ -73,13 +73,16 @@ def joint_distances(lattice: Lattice, along: Array, across: Array) -> tuple[Arra
 
 
 def list_rows(lattice: Lattice) -> list[tuple[float, float]]:
-    """Ways to see the nodes of a lattice as rows: (angle, height) of courses along each of its shortest steps."""
+    """Other courses that the joints of a lattice may belong to, as (angle, height): every second bed joint; and, where
+    nodes repeat, rows along each of their shortest steps."""
+    doubled = [(lattice.angle, 2 * lattice.height)]
     if lattice.bond not in ("stack", "running", "raking"):
-        return []
+        return doubled
     along = np.array([lattice.width, 0.0])
     down = np.array([(lattice.offset * lattice.width + lattice.shear * lattice.height), lattice.height])
     down = down - np.round(down[0] / along[0]) * along
     steps = [down, *(down + n * along for n in (-1, 1)), *(2 * down + n * along for n in (-1, 1))]
     steps.sort(key=lambda step: float(np.hypot(*step)))
     area = lattice.width * lattice.height
-    return [(lattice.angle + float(np.arctan2(*step[::-1])), area / float(np.hypot(*step))) for step in steps[:3]]
+    rows = [(lattice.angle + float(np.arctan2(*step[::-1])), area / float(np.hypot(*step))) for step in steps[:3]]
+    return doubled + rows

@@ -83,6 +83,10 @@ def scan_courses(joints: Map, courses: Courses, *, aligned: float, most: int = 4
     samples = _sample(strips)
     lattices = [_judge(_to_lattice(guess, strips, courses), samples, strips.spacing) for guess in regular + free]
     lattices.sort(key=lambda lattice: -lattice.score)
+    # Where heads are faint, only the full fit can tell whether each course has its own shift.
+    best_free = next((lattice for lattice in lattices[most:] if lattice.bond == "irregular"), None)
+    if best_free is not None and not any(lattice.bond == "irregular" for lattice in lattices[:most]):
+        lattices[most - 1] = best_free
     return lattices[:most]
 
 
@@ -131,9 +135,11 @@ def find_widths(scanlines: Scanlines) -> list[tuple[int, float]]:
                 break
             found.append((lean, scanlines.size / (bins[peak] + _vertex(combs[lean], peak))))
             comb[max(peak - 2, 0) : peak + 3] = -np.inf
-        # Courses of headers can drown the stretchers' own frequency.
+        # Joints in turn above and below, or courses of headers, can drown a frequency in its double.
         longest = scanlines.length.max() / _FEWEST_TILES
-        found += [(lean, 2 * width) for _, width in found[-_WIDTHS:][:2] if 2 * width < longest]
+        widths = np.array([width for at, width in found if at == lean])
+        doubled = [2 * width for width in widths if 2 * width < longest]
+        found += [(lean, width) for width in doubled if np.abs(widths / width - 1).min() > 0.02]
     return found
 
 
