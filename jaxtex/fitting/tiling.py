@@ -167,10 +167,12 @@ def _choose_starts(reading: Reading, size: tuple[int, int], perspective: bool) -
     best = reading.lattices[0].score
     worth: list[Lattice] = []
     for lattice in reading.lattices:
+        free = lattice.bond == "irregular"
         family = [other for other in worth if _same_courses(lattice, other)]
         # The likeliest courses may be laid in several bonds; others must not be crowded out by them.
         likeliest = not worth or bool(family and family[0] is worth[0])
-        room = len(family) < (_STARTS // 2 if likeliest else 2)
+        rivals = sum((other.bond == "irregular") == free for other in family)
+        room = rivals < (1 if free else _STARTS // 2 if likeliest else 2)
         if lattice.score >= best - _WORTH * max(abs(best), 0.5) and room and not _alike(lattice, family):
             worth.append(lattice)
     return [start_fit(lattice, working, perspective=perspective) for lattice in worth[:_STARTS]]

@@ -68,7 +68,7 @@ def find_lattices(
     for lattice, family in found[:_RECONSIDERED]:
         for angle, height in list_rows(lattice):
             other = family._replace(angle=angle, height=height)
-            if not any(same_courses(other, known, extent) for known in families):
+            if not any(same_courses(other, known, extent, slack=0.3) for known in families):
                 families.append(other)
                 lattices += scan_courses(joints[other.evidence], other, aligned=aligned)
     lattices += [lattice for lattice, _ in found]

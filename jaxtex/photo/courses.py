@@ -203,9 +203,12 @@ def _vertex(power: Map, fy: int, fx: int, axis: int) -> float:
     return float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5)) if bend < 0 else 0.0
 
 
-def same_courses(a: Courses, b: Courses, extent: int) -> bool:
-    """Whether two families cannot be told apart over a picture of this extent."""
+def same_courses(a: Courses, b: Courses, extent: int, *, slack: float = 1.0) -> bool:
+    """Whether two families cannot be told apart over a picture of this extent; ``slack`` below 1 asks for closer
+    agreement than the spectrum's own precision."""
     turn = abs((a.angle - b.angle + np.pi / 2) % np.pi - np.pi / 2)
     per_picture = extent / a.height
     tilt = np.abs(a.tilt - b.tilt).max() * extent / 2
-    return bool(turn * per_picture < 0.3 and abs(per_picture - extent / b.height) < 0.6 and tilt < 0.08)
+    return bool(
+        turn * per_picture < 0.3 * slack and abs(per_picture - extent / b.height) < 0.6 * slack and tilt < 0.08 * slack
+    )
