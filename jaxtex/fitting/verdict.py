@@ -91,7 +91,9 @@ def _reader(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[Callable[..., A
     """
     height, width = joint.shape
     pitch = float(min(tiling.tile_width * np.min(tiling.course_lengths), tiling.tile_height))
-    smooth = ndimage.gaussian_filter(joint, 0.03 * pitch)
+    # Not so much that thin joints fade.
+    thinnest = float(min(tiling.mortar_x, tiling.mortar_y))
+    smooth = ndimage.gaussian_filter(joint, min(0.03 * pitch, max(0.3 * thinnest, 0.5)))
     start, length, top = list_tiles(tiling, width, height).T[:, :, None, None]
 
     def read(along: Array, down: Array, shift_x: Array | float, shift_y: Array | float) -> Array:

@@ -17,7 +17,6 @@ from jaxtex.photo.scanlines import scan_courses
 
 WORKING_SIZE = 512
 _ROUNDS = 2
-_BY_HAND, _DRAWN = 0.08, 0.02  # how exactly courses are laid in a photograph, and in a mask
 _RECONSIDERED = 3  # lattices whose nodes are tried in other rows
 _SHRINKAGE = 0.02  # of the within-class covariance towards its diagonal
 
@@ -37,7 +36,7 @@ def read_tiling(evidence: Evidence, *, perspective: bool = True, learn: bool = T
     """
     views = all_views(perspective)
     if not learn:
-        return Reading(evidence.features[..., 0], find_lattices(evidence.joints, views, per_map=4, aligned=_DRAWN))
+        return Reading(evidence.features[..., 0], find_lattices(evidence.joints, views, per_map=4, drawn=True))
     lattices = find_lattices(evidence.joints, views, per_map=2)
     joint: Map = np.full(evidence.features.shape[:2], 0.5, np.float32)
     for _ in range(_ROUNDS):
@@ -52,16 +51,16 @@ def read_tiling(evidence: Evidence, *, perspective: bool = True, learn: bool = T
 
 
 def find_lattices(
-    joints: dict[str, Map], views: list[NDArray[np.float64]], *, per_map: int, aligned: float = _BY_HAND
+    joints: dict[str, Map], views: list[NDArray[np.float64]], *, per_map: int, drawn: bool = False
 ) -> list[Lattice]:
-    """All guesses from all maps (H, W), best first; ``aligned`` as in :func:`scan_courses`."""
+    """All guesses from all maps (H, W), best first; ``drawn`` as in :func:`scan_courses`."""
     families = find_courses(joints, views=views, per_map=per_map)
     lattices: list[Lattice] = []
     extent = max(next(iter(joints.values())).shape)
     found = [
         (lattice, family)
         for family in families
-        for lattice in scan_courses(joints[family.evidence], family, aligned=aligned)
+        for lattice in scan_courses(joints[family.evidence], family, drawn=drawn)
     ]
     found.sort(key=lambda each: -each[0].score)
     # Shifted courses of narrow tiles look like courses that slant: nodes tell which courses they may lie on.
@@ -70,7 +69,7 @@ def find_lattices(
             other = family._replace(angle=angle, height=height)
             if not any(same_courses(other, known, extent, slack=0.3) for known in families):
                 families.append(other)
-                lattices += scan_courses(joints[other.evidence], other, aligned=aligned)
+                lattices += scan_courses(joints[other.evidence], other, drawn=drawn)
     lattices += [lattice for lattice, _ in found]
     return sorted(lattices, key=lambda lattice: -lattice.score)
 

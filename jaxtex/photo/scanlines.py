@@ -22,6 +22,7 @@ _SHEARS = np.linspace(-0.5, 0.5, 21)
 _MARGIN = 0.22  # share of a course's height at either side that may belong to the bed joint
 _FEWEST_TILES = 1.3  # tiles along the longest scanline
 _WIDTHS = 4  # tile widths tried for each lean
+_BY_HAND, _DRAWN = 0.08, 0.02  # courses nearer to a regular bond (upper quartile, in tiles) are laid in it
 _JOINT_SHARES = (0.06, 0.12, 0.24)  # joint thickness tried, as a share of the course's height
 
 Array = NDArray[np.float64]
@@ -64,10 +65,10 @@ class Bond(NamedTuple):
     fit: float
 
 
-def scan_courses(joints: Map, courses: Courses, *, aligned: float, most: int = 4) -> list[Lattice]:
+def scan_courses(joints: Map, courses: Courses, *, drawn: bool, most: int = 4) -> list[Lattice]:
     """Guesses at the whole tiling for one course family in the map (H, W) it was found in, best first.
 
-    Courses ``aligned`` to a regular bond within this many tiles (upper quartile) are taken to be laid in it.
+    ``drawn``: courses lie where they were drawn, in a mask, rather than where a mason's hand put them.
     """
     strips = lay_strips(joints, courses)
     scanlines = take_scanlines(strips)
@@ -75,7 +76,7 @@ def scan_courses(joints: Map, courses: Courses, *, aligned: float, most: int = 4
         return []
     guesses = []
     for lean, width in find_widths(scanlines):
-        guesses += [(bond, lean, width) for bond in guess_bonds(scanlines, lean, width, aligned)]
+        guesses += [(bond, lean, width) for bond in guess_bonds(scanlines, lean, width, _DRAWN if drawn else _BY_HAND)]
     guesses.sort(key=lambda guess: -guess[0].fit)
     # Irregular bonds always explain most; each kind is judged on the map before any is left out.
     free = [guess for guess in guesses if guess[0].name == "irregular"][:most]
@@ -83,9 +84,9 @@ def scan_courses(joints: Map, courses: Courses, *, aligned: float, most: int = 4
     samples = _sample(strips)
     lattices = [_judge(_to_lattice(guess, strips, courses), samples, strips.spacing) for guess in regular + free]
     lattices.sort(key=lambda lattice: -lattice.score)
-    # Where heads are faint, only the full fit can tell whether each course has its own shift.
-    best_free = next((lattice for lattice in lattices[most:] if lattice.bond == "irregular"), None)
-    if best_free is not None and not any(lattice.bond == "irregular" for lattice in lattices[:most]):
+    # Where heads are thin, only the full fit can tell whether each course has its own shift.
+    best_free = next((lattice for lattice in lattices if lattice.bond == "irregular"), None)
+    if drawn and best_free is not None and all(best_free is not lattice for lattice in lattices[:most]):
         lattices[most - 1] = best_free
     return lattices[:most]
 
