@@ -28,7 +28,7 @@ _BUDGETS = (1 << 12, 1 << 14, 1 << 16)
 _REPEATS = 1.2
 # Shares of joints missing, and of tiles split in the middle, that a right lattice may have; and what each further share
 # adds to the criterion of a wrong one.
-_MISSING, _SPLIT, _DOUBT = 0.2, 0.15, 3.0
+_MISSING, _SPLIT, _DOUBT = 0.2, 0.25, 3.0
 
 
 def refine_all(

@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 # Contrast, of a perfect 1, that half of the predicted joints must have. Heads are shorter and often shallower.
 _BEDS_SEEN, _HEADS_SEEN = 0.42, 0.22
 _FEWEST_TILES = 4
+_ASTRAY = 0.12  # thinnest band, in tiles, in which a joint is looked for to tell whether it is there
 
 
 class Verdict(NamedTuple):
@@ -68,7 +69,10 @@ def find_wrong_sizes(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[float,
     longest = lengths > 0.99 * lengths.max(initial=0.0)
     read, _ = _reader(tiling, joint)
     some, band = np.linspace(0.2, 0.8, 9), np.linspace(-0.35, 0.35, 5)
-    band_x, band_y = band * float(tiling.mortar_x), band * float(tiling.mortar_y)
+    # Joints laid by hand stray from where they should be, whatever their thickness.
+    shortest = float(tiling.tile_width * np.min(tiling.course_lengths)), float(tiling.tile_height)
+    band_x = band * max(float(tiling.mortar_x), _ASTRAY * shortest[0])
+    band_y = band * max(float(tiling.mortar_y), _ASTRAY * shortest[1])
     beside = read(np.array([0.25, 0.75]), some, 0.0, 0.0)
     head = read(np.zeros(1), some, band_x, 0.0) - beside
     bed = read(some, np.zeros(1), 0.0, band_y) - beside

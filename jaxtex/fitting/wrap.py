@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _NEAR_WHOLE = 0.12  # tiles: further from a whole number of tiles per picture than this is no repetition
+_SAME_OFFSET = 0.01  # tiles
 
 
 def repeat_with_picture(
@@ -42,4 +43,7 @@ def _read_basis(basis: Array, values: dict[str, float], period: float, courses: 
     direction = np.array([np.cos(angle), np.sin(angle)])
     across = np.array([-direction[1], direction[0]])
     height, offset = float(b @ across) / courses, float(b @ direction) / width / courses
+    # A picture that repeats one way only leaves some of the offset to be measured.
+    half = round(2 * offset) / 2
+    offset = half if abs(offset - half) < _SAME_OFFSET else offset
     return values | {"tile_width": width, "tile_height": height, "angle": angle, "offset": offset}
