@@ -65,8 +65,11 @@ def name_bond(free: Array, kind: str) -> str:
     return "running" if abs(fraction - 0.5) < _SAME_BOND else "raking"
 
 
-def standard_errors(fitted: Fitted, size: tuple[int, int]) -> dict[str, float]:
-    """One standard deviation of each parameter that moved, in the units of the model file."""
+def standard_errors(fitted: Fitted, tiling: Tiling, size: tuple[int, int]) -> dict[str, float]:
+    """One standard deviation of each parameter that moved, in the units of the model file.
+
+    ``tiling`` is what the fit became: a stack bond may have been written with its columns as courses.
+    """
     scale = max(size) / max(fitted.start.size)
     values = read_free(fitted.free)[0]
     # By how much a free number stands for a change of what the file holds.
@@ -87,6 +90,10 @@ def standard_errors(fitted: Fitted, size: tuple[int, int]) -> dict[str, float]:
     errors = {
         name: float(np.sqrt(one)) * unit for (name, unit), one in zip(units.items(), variance, strict=True) if one > 0
     }
+    if np.abs(np.cos(float(tiling.angle) - values["angle"])) < 0.5:
+        turned = {"tile_width": "tile_height", "mortar_x": "mortar_y"}
+        turned |= {other: name for name, other in turned.items()}
+        errors = {turned.get(name, name): error for name, error in errors.items()}
     return {"angle_deg" if name == "angle" else name: error for name, error in errors.items()}
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from jaxtex.fitting.parameters import SCALARS, VIEW, free_scales, place, to_free
+from jaxtex.fitting.parameters import SCALARS, THICKNESSES, VIEW, free_scales, place, read_free, to_free
 from jaxtex.photo.lattice import Lattice
 
 Array = NDArray[np.float64]
@@ -75,6 +75,15 @@ def start_fit(lattice: Lattice, size: tuple[float, float], *, perspective: bool)
     lengths = np.asarray(np.broadcast_to(lattice.course_lengths, (2, 2)), float)
     scale = free_scales(values, len(offsets), max(size))
     return Start(free, free, moving, scale, lengths, kind, size, perspective)
+
+
+def with_thickness(fitted: Fitted, thickness: tuple[float, float]) -> Fitted:
+    """The same fit with joints of another thickness, except where that was held."""
+    values, offsets = read_free(fitted.free)
+    names = [name for name in THICKNESSES[:2] if fitted.start.moving[place(name)]]
+    measured = dict(zip(THICKNESSES, thickness, strict=False))
+    free = to_free(values | {name: measured[name] for name in names}, offsets)
+    return fitted._replace(free=free)
 
 
 def _recentre(lattice: Lattice) -> tuple[float, float, Array]:

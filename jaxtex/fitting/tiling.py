@@ -14,10 +14,11 @@ from skimage import transform
 
 from jaxtex.core.errors import InputError
 from jaxtex.fitting.choices import apply_choices, check_choices
-from jaxtex.fitting.outcome import count_tiles, standard_errors, tiling_of
+from jaxtex.fitting.joints import measure_distances, measure_thickness, see_joints
+from jaxtex.fitting.outcome import count_tiles, standard_errors, tiling_of, tiling_seen
 from jaxtex.fitting.refine import refine_all
-from jaxtex.fitting.start import Start, start_fit
-from jaxtex.fitting.verdict import judge_fit
+from jaxtex.fitting.start import Start, start_fit, with_thickness
+from jaxtex.fitting.verdict import judge_fit, mask_iou
 from jaxtex.models.tiling import Tiling, make_tiling
 from jaxtex.photo.automask import WORKING_SIZE, Reading, read_tiling
 from jaxtex.photo.evidence import find_evidence, mask_evidence, shrink
@@ -116,9 +117,19 @@ def fit_tiling(
     fitted = refine_all(starts, reading.joint, wraps=wraps, sharp=mask is not None)
     clock.append(time.perf_counter())
     tell(3, 4)
+    working_shape = reading.joint.shape[:2]
+    seen = tiling_seen(fitted.free, fitted.start, working_shape[::-1])
+    verdict = judge_fit(seen, reading.joint)
+    joint, shown = reading.joint, seen
+    if mask is None:
+        distances = measure_distances(seen, working_shape)
+        thickness = measure_thickness(seen, distances, evidence)
+        fitted = with_thickness(fitted, thickness)
+        # Where tiles meet without mortar there is nothing to learn, and the mask goes on showing their edges.
+        if min(thickness) > 0:
+            joint = see_joints(distances, thickness, evidence)
+            shown = tiling_seen(fitted.free, fitted.start, working_shape[::-1])
     tiling = tiling_of(fitted.free, fitted.start, (width, height))
-    working_size = (reading.joint.shape[1], reading.joint.shape[0])
-    verdict = judge_fit(tiling_of(fitted.free, fitted.start, working_size), reading.joint)
     rows, columns = count_tiles(tiling, (width, height))
     tell(4, 4)
     return TilingFit(
@@ -126,11 +137,11 @@ def fit_tiling(
         reason=verdict.reason,
         tiling=tiling,
         start=tiling_of(fitted.start.first, fitted.start, (width, height)),
-        mask=_enlarge(reading.joint, (height, width)),
+        mask=_enlarge(joint, (height, width)),
         rows=rows,
         columns=columns,
-        iou=verdict.iou,
-        standard_errors=standard_errors(fitted, (width, height)),
+        iou=mask_iou(shown, joint),
+        standard_errors=standard_errors(fitted, tiling, (width, height)),
         evidence={"beds": verdict.beds, "heads": verdict.heads},
         seconds={"start": clock[1] - clock[0], "refine": clock[2] - clock[1], "all": time.perf_counter() - clock[0]},
     )

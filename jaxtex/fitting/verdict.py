@@ -14,32 +14,28 @@ from jaxtex.models.tiling import Tiling
 Array = NDArray[np.float64]
 
 # Contrast, of a perfect 1, that half of the predicted joints must have. Heads are shorter and often shallower.
-_BEDS_SEEN, _HEADS_SEEN = 0.42, 0.22
+_BEDS_SEEN, _HEADS_SEEN = 0.42, 0.17
 _FEWEST_TILES = 4
-_ASTRAY = 0.12  # thinnest band, in tiles, in which a joint is looked for to tell whether it is there
+_ASTRAY = 0.12  # thinnest band, in tiles, in which a joint is looked for when counting
 
 
 class Verdict(NamedTuple):
     """``ok`` and the ``reason``; ``beds`` and ``heads``: median contrast between a predicted joint of
-    either kind and the tiles beside it, on the mask's scale of 0 to 1; ``tiles``: how many were looked at; ``iou``:
-    intersection over union of mask and fit, mean of tiles and joints."""
+    either kind and the tiles beside it, on the mask's scale of 0 to 1; ``tiles``: how many were looked at."""
 
     ok: bool
     reason: str
     beds: float
     heads: float
     tiles: int
-    iou: float
 
 
 def judge_fit(tiling: Tiling, joint: NDArray[np.float32]) -> Verdict:
     """Judge a tiling in the pixels of a map of joints (H, W)."""
     beds, heads, tiles = measure_joints(tiling, joint)
-    with jax.enable_x64():
-        rendered = np.asarray(coverage_grid(tiling, *joint.shape, blur=0.5))
     bed, head = (float(np.nanmedian(each)) if np.isfinite(each).any() else 0.0 for each in (beds, heads))
     reason = _find_fault(bed, head, tiles)
-    return Verdict(not reason, reason, bed, head, tiles, mean_iou(joint < 0.5, rendered > 0.5))
+    return Verdict(not reason, reason, bed, head, tiles)
 
 
 def _find_fault(beds: float, heads: float, tiles: int) -> str:
@@ -55,10 +51,10 @@ def _find_fault(beds: float, heads: float, tiles: int) -> str:
 def measure_joints(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[Array, Array, int]:
     """Contrast of every predicted bed and head joint of the tiles inside the map (H, W) against the tiles beside."""
     read, tiles = _reader(tiling, joint)
-    along, across = np.linspace(0.2, 0.8, 9), np.linspace(-0.35, 0.35, 5)
+    along, band = np.linspace(0.2, 0.8, 9), np.linspace(-0.35, 0.35, 5)
     tile = read(np.linspace(0.3, 0.7, 5), np.linspace(0.3, 0.7, 5), 0.0, 0.0)
-    bed = read(along, np.zeros(1), 0.0, across * float(tiling.mortar_y))
-    head = read(np.zeros(1), along, across * float(tiling.mortar_x), 0.0)
+    bed = read(along, np.zeros(1), 0.0, band * float(tiling.mortar_y))
+    head = read(np.zeros(1), along, band * float(tiling.mortar_x), 0.0)
     return bed - tile, head - tile, tiles
 
 
@@ -81,7 +77,7 @@ def find_wrong_sizes(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[float,
     across = (read(np.array([0.35, 0.65]), half, 0.0, band_y) - beside)[longest]
     head, bed, along, across = (each[np.isfinite(each)] for each in (head, bed, along, across))
     if not (len(head) and len(bed) and len(along) and len(across)):
-        return 0.0, 0.0
+        return 1.0, 0.0
     # Faint joints count as seen: on one wall some may be wide and others hairlines.
     seen_head, seen_bed = (0.3 * max(float(np.quantile(each, 0.85)), 0.1) for each in (head, bed))
     missing = max(float(np.mean(head < seen_head)), float(np.mean(bed < seen_bed)))
@@ -103,7 +99,8 @@ def _reader(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[Callable[..., A
     def read(along: Array, down: Array, shift_x: Array | float, shift_y: Array | float) -> Array:
         qx = start + along[:, None] * length + np.atleast_1d(shift_x)
         qy = top + down[:, None] * float(tiling.tile_height) + np.atleast_1d(shift_y)
-        qx, qy = (each.reshape(len(start), -1) for each in (qx, qy))
+        qx = qx.reshape(len(start), along.size * np.size(shift_x))
+        qy = qy.reshape(len(start), down.size * np.size(shift_y))
         qx, qy = np.repeat(qx, qy.shape[1], axis=1), np.tile(qy, (1, qx.shape[1]))
         x, y = from_lattice(tiling, qx, qy)
         values = ndimage.map_coordinates(smooth, [y - 0.5, x - 0.5], order=1, mode="constant", cval=np.nan)
@@ -148,6 +145,13 @@ def from_lattice(tiling: Tiling, qx: Array, qy: Array) -> tuple[Array, Array]:
     c, s = np.cos(float(tiling.angle)), np.sin(float(tiling.angle))
     px, py = float(tiling.origin[0]) + c * qx - s * qy, float(tiling.origin[1]) + s * qx + c * qy
     return _project(np.linalg.inv(np.asarray(tiling.homography, float)), px, py)
+
+
+def mask_iou(tiling: Tiling, joint: NDArray[np.float32]) -> float:
+    """Intersection over union of a tiling and of a map of joints (H, W) in its pixels, mean of tiles and joints."""
+    with jax.enable_x64():
+        rendered = np.asarray(coverage_grid(tiling, *joint.shape, blur=0.5))
+    return mean_iou(joint < 0.5, rendered > 0.5)
 
 
 def mean_iou(observed: NDArray[np.bool_], fitted: NDArray[np.bool_]) -> float:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from skimage import transform
 
 from jaxtex.photo.courses import Map, all_views, find_courses, same_courses
 from jaxtex.photo.evidence import Evidence, find_evidence, shrink
@@ -42,8 +43,8 @@ def read_tiling(evidence: Evidence, *, perspective: bool = True, learn: bool = T
     for _ in range(_ROUNDS):
         if not lattices:
             break
-        odds = learn_joints(evidence.features, lattices[0])
-        joint = (1 / (1 + np.exp(-odds))).astype(np.float32)
+        odds = learn_joints(evidence.features, _nearness(lattices[0], joint.shape))
+        joint = probability(odds)
         # In the odds, unlike in the probability, faint joints still stand out. The view is known by now.
         known = [lattice.tilt * max(joint.shape) / 2 for lattice in lattices[:3]]
         lattices = find_lattices({"learnt": odds - odds.mean()}, [views[0], *known], per_map=4)
@@ -74,29 +75,42 @@ def find_lattices(
     return sorted(lattices, key=lambda lattice: -lattice.score)
 
 
-def learn_joints(features: Map, lattice: Lattice) -> Map:
-    """Log-odds (H, W), within +-8, that a pixel is joint: a discriminant of ``features`` (H, W, F)."""
-    height, width = features.shape[:2]
-    x, y = np.meshgrid(np.arange(width) + 0.5 - width / 2, np.arange(height) + 0.5 - height / 2)
-    head, bed = joint_distances(lattice, *to_strips(lattice, x, y))
-    near = np.minimum(head / lattice.joints[0], bed / lattice.joints[1])
+def learn_joints(features: Map, near: NDArray[np.floating]) -> Map:
+    """Log-odds (H, W), within +-8, that a pixel is joint: a discriminant of ``features`` (H, W, F), taught by how
+    ``near`` (H, W) pixels are to the nearest joint's centre line, in thicknesses of that joint."""
     spread = features.reshape(-1, features.shape[-1])
     spread = (spread - spread.mean(0)) / np.maximum(spread.std(0), 1e-6)
-    is_joint, is_tile = (near < 0.3).ravel(), (near > 0.9).ravel()
-    if is_joint.sum() < 30 or is_tile.sum() < 30:
-        return np.zeros((height, width), np.float32)
-    joint, tile = spread[is_joint], spread[is_tile]
-    within = (np.cov(joint.T) + np.cov(tile.T)) / 2
-    within = np.atleast_2d(within)
-    within = within + _SHRINKAGE * np.diag(np.diag(within) + 1e-3)
-    direction = np.linalg.solve(within, joint.mean(0) - tile.mean(0))
+    joint, tile = spread[(near < 0.3).ravel()], spread[(near > 0.9).ravel()]
+    if min(len(joint), len(tile)) < 30:
+        return np.zeros(near.shape, np.float32)
+    direction, _ = part(joint, tile)
     odds = (spread - (joint.mean(0) + tile.mean(0)) / 2) @ direction
-    return np.clip(odds, -8, 8).reshape(height, width).astype(np.float32)
+    return np.clip(odds, -8, 8).reshape(near.shape).astype(np.float32)
+
+
+def part(some: NDArray[np.floating], others: NDArray[np.floating]) -> tuple[NDArray[np.float64], float]:
+    """Fisher's discriminant of two classes of features, (N, F) and (M, F): the direction (F,) along which they lie
+    furthest apart, and how far, in standard deviations within a class."""
+    apart = (some.mean(0) - others.mean(0)).astype(float)
+    within = np.atleast_2d((np.cov(some.T) + np.cov(others.T)) / 2)
+    within = within + _SHRINKAGE * np.diag(np.diag(within) + 1e-3)
+    direction = np.linalg.solve(within, apart)
+    return direction, float(np.sqrt(apart @ direction))
+
+
+def probability(odds: Map) -> Map:
+    """Of log-odds."""
+    return (1 / (1 + np.exp(-odds))).astype(np.float32)
+
+
+def _nearness(lattice: Lattice, shape: tuple[int, int]) -> NDArray[np.floating]:
+    height, width = shape
+    x, y = np.meshgrid(np.arange(width) + 0.5 - width / 2, np.arange(height) + 0.5 - height / 2)
+    head, bed = joint_distances(lattice, *to_strips(lattice, x, y))
+    return np.minimum(head / lattice.joints[0], bed / lattice.joints[1])
 
 
 def auto_mask(pixels: NDArray[np.floating]) -> NDArray[np.bool_]:
     """Mask [H, W] of a tiled surface, True on tiles, from its picture alone, linear [H, W, 1 or 3]."""
-    from skimage import transform
-
     joint = read_tiling(find_evidence(shrink(pixels, WORKING_SIZE))).joint
     return transform.resize(joint, pixels.shape[:2], order=1) < 0.5

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
-from skimage import color, transform
+from skimage import transform
 
-from jaxtex.core.colour import linear_to_srgb
+from jaxtex.photo.pictures import to_lab
 
 Map = NDArray[np.float32]
 
@@ -20,13 +20,15 @@ Map = NDArray[np.float32]
 _RIDGE_SCALES = (1.2, 2.4, 4.8)
 # Lab units of spread below which a picture is taken to be grey.
 _COLOURED = 2.0
+COLOURS = 3
 
 
 class Evidence(NamedTuple):
     """Maps made from one photograph, all of one shape (H, W).
 
     ``joints`` names each map of likely joints (zero mean, about unit spread, positive on joints); ``features`` (H, W,
-    F) are the plain measurements from which a joint can be told from a tile once the lattice is known.
+    F) are the plain measurements from which a joint can be told from a tile once the lattice is known; the first
+    ``COLOURS`` of them are a pixel's own colour, the others depend on its surroundings.
     """
 
     joints: dict[str, Map]
@@ -50,7 +52,7 @@ def find_evidence(pixels: NDArray[np.floating]) -> Evidence:
     (which serve tiles without joints). Ridges are the larger eigenvalue of the Hessian over three scales, so that spots
     count less than lines; every map is divided by its local spread, so that uneven light and contrast do not matter.
     """
-    lab = _to_lab(pixels)
+    lab = to_lab(np.clip(pixels, 0.0, 1.0))
     size = max(lab.shape[:2]) / 512
     scales = [max(scale * size, 0.8) for scale in _RIDGE_SCALES]
     channels = {"lightness": lab[..., 0]}
@@ -58,7 +60,7 @@ def find_evidence(pixels: NDArray[np.floating]) -> Evidence:
     if contrast is not None:
         channels["colour"] = contrast
     joints: dict[str, Map] = {}
-    features: list[Map] = [_flatten(lab[..., channel]) for channel in range(3)]
+    features: list[Map] = [_flatten(lab[..., channel]) for channel in range(COLOURS)]
     for name, channel in channels.items():
         ridges = [find_ridges(channel, scale) for scale in scales]
         dark, light = (np.max([ridge[sign] for ridge in ridges], axis=0) for sign in (0, 1))
@@ -90,13 +92,6 @@ def mask_evidence(mask: NDArray[np.floating]) -> Evidence:
     # Single wrong pixels tell nothing of the lattice.
     smooth = ndimage.gaussian_filter(joint, 1.0)
     return Evidence({"mask": smooth - smooth.mean()}, joint[..., None])
-
-
-def _to_lab(pixels: NDArray[np.floating]) -> Map:
-    encoded = linear_to_srgb(np.clip(np.asarray(pixels, np.float32), 0.0, 1.0))
-    if encoded.shape[-1] == 1:
-        encoded = np.repeat(encoded, 3, axis=-1)
-    return color.rgb2lab(encoded).astype(np.float32)
 
 
 def _colour_contrast(lab: Map) -> Map | None:
