@@ -39,7 +39,7 @@ def refine_all(
     ``wraps``: whether the picture is seamless in x and y. ``sharp``: the map is a mask whose borders are where they
     should be to the pixel, and its errors come pixel by pixel: so the last level uses every pixel as it is.
     """
-    level = next((n for n in (1, 2) if joint.size <= _BUDGETS[n]), 2)
+    level = _level(joint)
     pitch = min(shortest_pitch(start) for start in starts)
     blur = float(np.clip(0.08 * pitch, 1.5, 6.0))
     coarse = observe(joint, starts[0].size, blur=blur, tolerance=0.5, budget=_BUDGETS[level - 1])
@@ -56,6 +56,21 @@ def refine_all(
     if sharp and joint.size <= _BUDGETS[level]:
         best = _go_on(best, observe(joint, best.start.size, blur=0.0, tolerance=1.0, budget=_BUDGETS[level]))
     return best
+
+
+def refine_again(fitted: Fitted, joint: NDArray[np.float32]) -> Fitted:
+    """The same fit carried on to a better map of joints (H, W), whose thickness is right already."""
+    level = _level(joint)
+    blur = float(np.clip(0.02 * shortest_pitch(fitted.start), 0.8, 1.5))
+    values = read_free(fitted.free)[0]
+    held = {name: values[name] for name in ("mortar_x", "mortar_y")}
+    seen = observe(joint, fitted.start.size, blur=blur, tolerance=0.3, budget=_BUDGETS[level])
+    return _go_on(fitted, seen, **held)
+
+
+def _level(joint: NDArray[np.float32]) -> int:
+    """Which of the budgets lets the last solve see every pixel, or nearly."""
+    return next((n for n in (1, 2) if joint.size <= _BUDGETS[n]), 2)
 
 
 def refine(start: Start, seen: Observation) -> Fitted:

@@ -16,7 +16,7 @@ from jaxtex.core.errors import InputError
 from jaxtex.fitting.choices import apply_choices, check_choices
 from jaxtex.fitting.joints import measure_distances, measure_thickness, see_joints
 from jaxtex.fitting.outcome import count_tiles, standard_errors, tiling_of, tiling_seen
-from jaxtex.fitting.refine import refine_all
+from jaxtex.fitting.refine import refine_again, refine_all
 from jaxtex.fitting.start import Start, start_fit, with_thickness
 from jaxtex.fitting.verdict import judge_fit, mask_iou
 from jaxtex.models.tiling import Tiling, make_tiling
@@ -128,6 +128,7 @@ def fit_tiling(
         # Where tiles meet without mortar there is nothing to learn, and the mask goes on showing their edges.
         if min(thickness) > 0:
             joint = see_joints(distances, thickness, evidence)
+            fitted = refine_again(fitted, joint)
             shown = tiling_seen(fitted.free, fitted.start, working_shape[::-1])
     tiling = tiling_of(fitted.free, fitted.start, (width, height))
     rows, columns = count_tiles(tiling, (width, height))
