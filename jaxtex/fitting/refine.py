@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 _BUDGETS = (1 << 12, 1 << 14, 1 << 16)
 # A seamless picture's own period is believed unless it explains the mask worse than this ratio of squared residuals.
 _REPEATS = 1.2
+# The likeliest lattice of a mask is taken without a look at others if fewer joints than this are out of place in it.
+_CERTAIN = 0.05
 # Shares of joints missing, and of tiles split in the middle, that a right lattice may have; and what each further share
 # adds to the criterion of a wrong one.
 _MISSING, _SPLIT, _DOUBT = 0.2, 0.25, 3.0
@@ -43,7 +45,12 @@ def refine_all(
     pitch = min(shortest_pitch(start) for start in starts)
     blur = float(np.clip(0.08 * pitch, 1.5, 6.0))
     coarse = observe(joint, starts[0].size, blur=blur, tolerance=0.5, budget=_BUDGETS[level - 1])
-    ended = sorted((_doubt(refine(start, coarse), joint) for start in starts), key=lambda fitted: fitted.criterion)
+    ended: list[Fitted] = []
+    for start in starts:
+        ended.append(_doubt(refine(start, coarse), joint))
+        if sharp and ended[0].doubt < _CERTAIN:
+            break
+    ended.sort(key=lambda fitted: fitted.criterion)
     pitch = shortest_pitch(ended[0].start)
     blur = float(np.clip(0.04 * pitch, 0.8, 1.5))
     seen = observe(joint, starts[0].size, blur=blur, tolerance=0.3, budget=_BUDGETS[level])
@@ -64,7 +71,7 @@ def refine_again(fitted: Fitted, joint: NDArray[np.float32]) -> Fitted:
     blur = float(np.clip(0.02 * shortest_pitch(fitted.start), 0.8, 1.5))
     values = read_free(fitted.free)[0]
     held = {name: values[name] for name in ("mortar_x", "mortar_y")}
-    seen = observe(joint, fitted.start.size, blur=blur, tolerance=0.3, budget=_BUDGETS[level])
+    seen = observe(joint, fitted.start.size, blur=blur, tolerance=0.5, budget=_BUDGETS[level])
     return _go_on(fitted, seen, **held)
 
 
@@ -134,7 +141,7 @@ def _doubt(fitted: Fitted, joint: NDArray[np.float32]) -> Fitted:
     rows, columns = joint.shape
     missing, split = find_wrong_sizes(tiling_seen(fitted.free, fitted.start, (columns, rows)), joint)
     doubt = max(missing - _MISSING, 0.0) + max(split - _SPLIT, 0.0)
-    return fitted._replace(criterion=fitted.criterion + _DOUBT * doubt)
+    return fitted._replace(criterion=fitted.criterion + _DOUBT * doubt, doubt=missing + split)
 
 
 def _best(candidates: Iterable[Fitted]) -> Fitted:

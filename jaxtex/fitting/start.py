@@ -32,13 +32,15 @@ class Start(NamedTuple):
 
 class Fitted(NamedTuple):
     """A start's end: the ``free`` vector (P,) and its ``variance`` (P,); the ``start`` it came from; ``criterion``, the
-    Bayesian information criterion of the fit (lower is better); ``mean_square`` residual."""
+    Bayesian information criterion of the fit (lower is better); ``mean_square`` residual; ``doubt``, the share of
+    joints out of place, 1 as long as nobody looked."""
 
     free: Array
     variance: Array
     start: Start
     criterion: float
     mean_square: float
+    doubt: float = 1.0
 
 
 def start_fit(lattice: Lattice, size: tuple[float, float], *, perspective: bool) -> Start:
