@@ -21,6 +21,7 @@ _RIDGE_SCALES = (1.2, 2.4, 4.8)
 # Lab units of spread below which a picture is taken to be grey.
 _COLOURED = 2.0
 COLOURS = 3
+_SMALL = 64  # pixels along the longer side, enough for what changes slowly
 
 
 class Evidence(NamedTuple):
@@ -105,12 +106,18 @@ def _colour_contrast(lab: Map) -> Map | None:
 
 def _flatten(channel: Map) -> Map:
     """The channel without what changes slower than about a quarter of the picture."""
-    return channel - ndimage.gaussian_filter(channel, max(channel.shape) / 8, truncate=2.5)
+    return channel - _slow_part(channel)
 
 
 def _equalise(strength: Map) -> Map:
-    reach = max(strength.shape) / 8
-    centred = strength - ndimage.gaussian_filter(strength, reach, truncate=2.5)
-    spread = np.sqrt(ndimage.gaussian_filter(centred**2, reach, truncate=2.5))
+    centred = _flatten(strength)
+    spread = np.sqrt(_slow_part(centred**2))
     # The floor keeps empty parts from being blown up; tanh keeps single strong spots from ruling the spectrum.
     return (2 * np.tanh(centred / (2 * (spread + 0.25 * strength.std() + 1e-6)))).astype(np.float32)
+
+
+def _slow_part(channel: Map) -> Map:
+    """The channel blurred by an eighth of the picture, worked out on a small copy."""
+    small = shrink(channel, _SMALL)
+    blurred = ndimage.gaussian_filter(small, max(small.shape) / 8, truncate=2.5)
+    return transform.resize(blurred, channel.shape, order=1)
