@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from jaxtex.core.errors import InputError as InputError
+    from jaxtex.fitting.batch import fit_tiling_masks as fit_tiling_masks
     from jaxtex.fitting.tiling import TilingFit as TilingFit
     from jaxtex.fitting.tiling import fit_tiling as fit_tiling
     from jaxtex.io.images import Image as Image
@@ -88,6 +89,7 @@ _PUBLIC = {
     # mask -> parameters
     "fit_tiling": "jaxtex.fitting.tiling",
     "TilingFit": "jaxtex.fitting.tiling",
+    "fit_tiling_masks": "jaxtex.fitting.batch",
     # the model, its mask, its file
     "Tiling": "jaxtex.models.tiling",
     "make_tiling": "jaxtex.models.tiling",
