@@ -109,6 +109,8 @@ def observe(
     height, width = joint.shape
     smooth = ndimage.gaussian_filter(np.asarray(joint, float), blur, mode="nearest", truncate=4.0)
     stride = int(np.ceil(np.sqrt(height * width / budget)))
+    while len(range(stride // 2, height, stride)) * len(range(stride // 2, width, stride)) > budget:
+        stride += 1
     rows, columns = np.mgrid[stride // 2 : height : stride, stride // 2 : width : stride]
     x = (columns.ravel() + 0.5) * (size[0] / width)
     y = (rows.ravel() + 0.5) * (size[1] / height)
