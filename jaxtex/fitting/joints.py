@@ -13,6 +13,7 @@ import numpy as np
 from jax import Array
 from numpy.typing import NDArray
 
+from jaxtex.fitting.verdict import mean_iou
 from jaxtex.models.grids import on_grid
 from jaxtex.models.tiling import Tiling
 from jaxtex.photo.automask import learn_joints, part, probability
@@ -34,10 +35,11 @@ class Distances(NamedTuple):
     bed: NDArray[np.float64]
 
 
-def measure_distances(tiling: Tiling, shape: tuple[int, int]) -> Distances:
+def measure_distances(tiling: Tiling, shape: tuple[int, ...]) -> Distances:
     """Distances in a picture of ``shape`` (H, W) whose pixels the tiling is in."""
+    height, width = shape
     with jax.enable_x64():
-        return Distances(*(np.asarray(each) for each in on_grid(eqx.Partial(_distances, tiling), *shape)))
+        return Distances(*(np.asarray(each) for each in on_grid(eqx.Partial(_distances, tiling), height, width)))
 
 
 def measure_thickness(tiling: Tiling, distances: Distances, evidence: Evidence) -> tuple[float, float]:
@@ -59,6 +61,13 @@ def see_joints(distances: Distances, thickness: tuple[float, float], evidence: E
     """Probability (H, W) that a pixel is joint, learnt again from joints of this thickness."""
     near = np.minimum(distances.head / thickness[0], distances.bed / thickness[1])
     return probability(learn_joints(evidence.features, near))
+
+
+def mask_iou(tiling: Tiling, joint: Map) -> float:
+    """Intersection over union of a tiling and of a map of joints (H, W) in its pixels, mean of tiles and joints."""
+    distances = measure_distances(tiling, joint.shape)
+    tile = (distances.head > tiling.mortar_x / 2) & (distances.bed > tiling.mortar_y / 2)
+    return mean_iou(joint < 0.5, np.asarray(tile))
 
 
 def _distances(tiling: Tiling, point: Array) -> tuple[Array, Array]:

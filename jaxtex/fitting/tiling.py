@@ -14,11 +14,11 @@ from skimage import transform
 
 from jaxtex.core.errors import InputError
 from jaxtex.fitting.choices import apply_choices, check_choices
-from jaxtex.fitting.joints import measure_distances, measure_thickness, see_joints
+from jaxtex.fitting.joints import mask_iou, measure_distances, measure_thickness, see_joints
 from jaxtex.fitting.outcome import count_tiles, standard_errors, tiling_of, tiling_seen
 from jaxtex.fitting.refine import refine_again, refine_all
 from jaxtex.fitting.start import Start, start_fit, with_thickness
-from jaxtex.fitting.verdict import judge_fit, mask_iou
+from jaxtex.fitting.verdict import judge_fit
 from jaxtex.models.tiling import Tiling, make_tiling
 from jaxtex.photo.automask import WORKING_SIZE, Reading, read_tiling
 from jaxtex.photo.evidence import find_evidence, mask_evidence, shrink

@@ -3,12 +3,10 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-import jax
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from jaxtex.models.grids import coverage_grid
 from jaxtex.models.tiling import Tiling
 
 Array = NDArray[np.float64]
@@ -145,13 +143,6 @@ def from_lattice(tiling: Tiling, qx: Array, qy: Array) -> tuple[Array, Array]:
     c, s = np.cos(float(tiling.angle)), np.sin(float(tiling.angle))
     px, py = float(tiling.origin[0]) + c * qx - s * qy, float(tiling.origin[1]) + s * qx + c * qy
     return _project(np.linalg.inv(np.asarray(tiling.homography, float)), px, py)
-
-
-def mask_iou(tiling: Tiling, joint: NDArray[np.float32]) -> float:
-    """Intersection over union of a tiling and of a map of joints (H, W) in its pixels, mean of tiles and joints."""
-    with jax.enable_x64():
-        rendered = np.asarray(coverage_grid(tiling, *joint.shape, blur=0.5))
-    return mean_iou(joint < 0.5, rendered > 0.5)
 
 
 def mean_iou(observed: NDArray[np.bool_], fitted: NDArray[np.bool_]) -> float:
