@@ -94,6 +94,8 @@ def _summary(photo: Path, folder: Path, file: "TilingFile") -> list[str]:
         f"  tiles   {found['tile_width']:.2f} x {found['tile_height']:.2f} pixels, joint included",
         f"  joints  {found['mortar_x']:.2f} pixels between tiles, {found['mortar_y']:.2f} between courses",
         f"  angle   {found['angle_deg']:.2f} degrees",
-        f"  offset  {found['offset']:.3f} of a tile from course to course",
+        "  offset  each course has its own"
+        if found["bond"] == "irregular"
+        else f"  offset  {found['offset']:.3f} of a tile from course to course",
     ]
     return [*lines, f"Open {folder / 'report.html'}"]

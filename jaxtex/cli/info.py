@@ -10,6 +10,10 @@ if TYPE_CHECKING:
     from jaxtex.models.files import TilingFile
 
 
+_LONGEST_LIST = 4  # entries shown in full
+_WIDE = 110  # characters: room for what the parameters mean
+
+
 @dataclass(frozen=True)
 class Info:
     """Print a model file: its parameters with their errors and where the fit began, and how the fit went.
@@ -29,7 +33,7 @@ class Info:
         console = Console(highlight=False, markup=False)
         for line in _headlines(self.model, file):
             console.print(line)
-        console.print(_parameter_table(file))
+        console.print(_parameter_table(file, meaning=console.width >= _WIDE))
         return 0
 
 
@@ -38,12 +42,17 @@ def _headlines(path: Path, file: "TilingFile") -> list[str]:
     lines = [
         f"{path}: a tiling in {file.tiling.bond} bond",
         f"photograph: {width} x {height} pixels, sha256 {sha256[:16]}...",
-        f"fit: {'ok' if report['ok'] else 'not ok'}: {report['reason']}",
+        ": ".join(part for part in ("fit", "ok" if report["ok"] else "not ok", report["reason"]) if part),
     ]
     if report["iou"] is not None:
         lines.append(f"overlap of its joints with those seen: {100 * report['iou']:.1f} %")
     if file.appearance is not None:
-        lines.append(f"appearance: {', '.join(file.appearance) or 'none'}")
+        plain = {name: _show(value) for name, value in file.appearance.items() if not isinstance(value, list)}
+        told = [
+            *(f"{name} {value}" for name, value in plain.items()),
+            f"{len(file.appearance.get('tiles', []))} courses",
+        ]
+        lines.append(f"appearance (to be edited in the file): {', '.join(told)}")
     if file.seed is not None:
         lines.append(f"seed: {file.seed}")
     if file.versions:
@@ -51,7 +60,7 @@ def _headlines(path: Path, file: "TilingFile") -> list[str]:
     return lines
 
 
-def _parameter_table(file: "TilingFile") -> Any:
+def _parameter_table(file: "TilingFile", *, meaning: bool) -> Any:
     from rich.table import Table
 
     from jaxtex.models.files import tiling_parameters, tiling_schema
@@ -59,20 +68,25 @@ def _parameter_table(file: "TilingFile") -> Any:
     described = tiling_schema()["$defs"]["parameters"]["properties"]
     values = tiling_parameters(file.tiling, rows=file.rows, columns=file.columns, mm_per_px=file.mm_per_px)
     errors, start = file.report["standard_errors"], file.report["start"] or {}
-    table = Table("parameter", "value", "±", "start", "meaning", box=None, pad_edge=False)
-    for column in table.columns[:-1]:
+    table = Table("parameter", "value", "±", "start", box=None, pad_edge=False)
+    for column in table.columns:
         column.no_wrap = True
+    if meaning:
+        table.add_column("meaning")
     for name, value in values.items():
         started = _show(start.get(name))
-        table.add_row(name, _show(value), _show(errors.get(name)), started, described[name]["title"])
+        told = [described[name]["title"]] if meaning else []
+        table.add_row(name, _show(value), _show(errors.get(name), digits=2), started, *told)
     return table
 
 
-def _show(value: Any) -> str:
+def _show(value: Any, digits: int = 6) -> str:
     """A parameter in few digits; rows of a matrix on lines of their own."""
     if value is None:
         return ""
     if isinstance(value, list):
+        if len(value) > _LONGEST_LIST:
+            return f"{_show(value[:2], 3)} ... ({len(value)})"
         between = "\n" if any(isinstance(item, list) for item in value) else " "
-        return between.join(_show(item) or "-" for item in value)
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+        return between.join(_show(item, min(digits, 5)) or "-" for item in value)
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)

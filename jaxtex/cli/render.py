@@ -61,6 +61,12 @@ class Render:
         folder = prepare_folder(self.output)
         write_maps(folder, progress(bands, "rendering maps", total=count_bands(size)), size=size)
         print(f"{folder}: maps of {size[0]} x {size[1]} pixels, {sheet.columns:g} x {sheet.rows} tiles")
+        if not file.report["ok"]:
+            print(f"  note: this model is a best guess; its fit did not succeed: {file.report['reason']}")
+        stretched = size[0] / size[1] / (sheet.width / sheet.height)
+        if abs(stretched - 1) > 0.01:
+            fitting = f"{size[0]}x{max(round(size[0] * sheet.height / sheet.width), 1)}"
+            print(f"  note: tiles are drawn {stretched:.2f} times as wide for their height; --size {fitting} would not")
         for change in sheet.changes:
             print(f"  so that they repeat without a seam, {change}")
         return 0

@@ -138,7 +138,10 @@ def _answer(group: list[tuple[Problem, Future[Solution]]]) -> None:
 
 
 def _check_masks(masks: NDArray[np.floating]) -> NDArray[np.float32]:
-    masks = np.asarray(masks, np.float32)
+    try:
+        masks = np.asarray(masks, np.float32)
+    except (TypeError, ValueError):
+        raise InputError("the masks are not numbers in a box; they must be [B, H, W], all of one size") from None
     if masks.ndim != 3:
         raise InputError(f"the masks have shape {masks.shape}; they must be [B, H, W], all of one size")
     if min(masks.shape[1:]) < 32:

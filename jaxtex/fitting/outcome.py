@@ -15,10 +15,11 @@ from jaxtex.fitting.verdict import to_lattice
 from jaxtex.models.canonical import canonical, nearest_node
 from jaxtex.models.perspective import normalise_view
 from jaxtex.models.tiling import Tiling
+from jaxtex.photo.lattice import SAME_BOND
 
 Array = NDArray[np.float64]
 
-_SAME_BOND = 0.04  # tiles: offsets this near to none or to a half are called stack or running
+_MOST_MORTAR = 0.95  # of a tile; a fit that ends with more has found no tiling
 
 
 def tiling_of(free: Array, start: Start, size: tuple[int, int]) -> Tiling:
@@ -43,9 +44,13 @@ def tiling_seen(free: Array, start: Start, size: tuple[int, int]) -> Tiling:
             _build(jnp.asarray(free, float), jnp.asarray(start.course_lengths, float), jnp.asarray(centre))
         )
     grow = np.diag([scale, scale, 1.0])
+    width, height = tiling.tile_width * scale, tiling.tile_height * scale
     return dataclasses.replace(
         tiling,
-        **{name: getattr(tiling, name) * scale for name in ("tile_width", "tile_height", "mortar_x", "mortar_y")},
+        tile_width=width,
+        tile_height=height,
+        mortar_x=np.minimum(tiling.mortar_x * scale, _MOST_MORTAR * width * tiling.course_lengths.min()),
+        mortar_y=np.minimum(tiling.mortar_y * scale, _MOST_MORTAR * height),
         origin=tiling.origin * scale,
         homography=_exact(grow @ tiling.homography @ np.linalg.inv(grow)),
         corner_radius=np.zeros(()),
@@ -60,9 +65,9 @@ def name_bond(free: Array, kind: str) -> str:
     if kind != "regular":
         return kind
     fraction = free[place("offset")] % 1.0
-    if min(fraction, 1.0 - fraction) < _SAME_BOND:
+    if min(fraction, 1.0 - fraction) < SAME_BOND:
         return "stack"
-    return "running" if abs(fraction - 0.5) < _SAME_BOND else "raking"
+    return "running" if abs(fraction - 0.5) < SAME_BOND else "raking"
 
 
 def standard_errors(fitted: Fitted, tiling: Tiling, size: tuple[int, int]) -> dict[str, float]:

@@ -72,7 +72,11 @@ def refine_again(fitted: Fitted, joint: NDArray[np.float32]) -> Fitted:
     values = read_free(fitted.free)[0]
     held = {name: values[name] for name in ("mortar_x", "mortar_y")}
     seen = observe(joint, fitted.start.size, blur=blur, tolerance=0.5, budget=_BUDGETS[level])
-    return _go_on(fitted, seen, **held)
+    again = _go_on(fitted, seen, **held)
+    thickness = [place(name) for name in held]
+    variance = again.variance.copy()
+    variance[thickness] = fitted.variance[thickness]
+    return again._replace(variance=variance)
 
 
 def _level(joint: NDArray[np.float32]) -> int:
@@ -93,7 +97,8 @@ def refine(start: Start, seen: Observation) -> Fitted:
         )
         solution = jax.device_get(solve_one(problem))
     free = np.asarray(solution.free)
-    mean_square = float(solution.cost) / max(int(solution.count), 1)
+    # A picture of which nothing is known is explained by nothing.
+    mean_square = float(solution.cost) / int(solution.count) if solution.count else np.inf
     return Fitted(free, np.asarray(solution.variance), start, criterion(mean_square, start), mean_square)
 
 
@@ -167,7 +172,8 @@ def _repeat(fitted: Fitted, seen: Observation, wraps: tuple[bool, bool]) -> Fitt
         return None
     period = repeat_with_picture(values, start.size, wraps, start.kind)
     names = ("tile_width", "tile_height", "angle", "offset")
-    if period is None or not all(start.moving[place(name)] for name in names[:3]):
+    free = names if start.kind == "regular" else names[:3]
+    if period is None or not all(start.moving[place(name)] for name in free):
         return None
     repeated = _go_on(fitted, seen, **{name: period[name] for name in names})
     return repeated if repeated.mean_square < _REPEATS * fitted.mean_square else None

@@ -13,21 +13,20 @@ from numpy.typing import NDArray
 from skimage import transform
 
 from jaxtex.core.errors import InputError
-from jaxtex.fitting.choices import apply_choices, check_choices
+from jaxtex.fitting.choices import apply_choices, check_choices, check_joints
 from jaxtex.fitting.joints import mask_iou, measure_distances, measure_thickness, see_joints
 from jaxtex.fitting.outcome import count_tiles, standard_errors, tiling_of, tiling_seen
 from jaxtex.fitting.refine import refine_again, refine_all
 from jaxtex.fitting.start import Start, start_fit, with_thickness
 from jaxtex.fitting.verdict import judge_fit
 from jaxtex.models.tiling import Tiling, make_tiling
-from jaxtex.photo.automask import WORKING_SIZE, Reading, read_tiling
+from jaxtex.photo.automask import WORKING_SIZE, Reading, check_surface, read_tiling
 from jaxtex.photo.evidence import find_evidence, mask_evidence, shrink
-from jaxtex.photo.lattice import Lattice
+from jaxtex.photo.lattice import Lattice, turn_upright
 from jaxtex.photo.seamless import find_wrap
 
 _STARTS = 8  # lattices worth a solve
 _WORTH = 0.4  # this share below the best lattice's score is no longer worth one
-_SMALLEST = 32  # pixels
 
 Report = Callable[[float, float], None]
 
@@ -40,7 +39,9 @@ class TilingFit:
     entries are the best guess. ``tiling``: the model, in pixels of the photograph; ``start``: what the spectrum and the
     scanlines gave, before least squares. ``mask`` [H, W]: the observed mask, 1 on tiles. ``rows``, ``columns``: courses
     and tiles per course in the photograph. ``iou``: intersection over union of observed and rendered mask, mean of
-    tiles and joints. ``standard_errors``: by parameter, one standard deviation. ``evidence``: typical contrast of the
+    tiles and joints (where tiles meet without mortar, of the edges seen and of joints as thick as these).
+    ``standard_errors``: one standard deviation of each parameter that was free, so not of those that were fixed or
+    that follow from a seamless picture's own size. ``evidence``: typical contrast of the
     predicted bed and head joints in the mask. ``seconds`` spent, by step.
     """
 
@@ -98,8 +99,8 @@ def fit_tiling(
     """
     tell = report or (lambda done, total: None)
     photo, mask = _check_picture(photo, mask)
-    check_choices(fix or {}, init or {})
     height, width = photo.shape[:2]
+    check_choices(fix or {}, init or {}, (width, height))
     clock = [time.perf_counter()]
     tell(0, 4)
     working = shrink(photo, WORKING_SIZE)
@@ -131,11 +132,17 @@ def fit_tiling(
             fitted = refine_again(fitted, joint)
             shown = tiling_seen(fitted.free, fitted.start, working_shape[::-1])
     tiling = tiling_of(fitted.free, fitted.start, (width, height))
+    check_joints(tiling, fix or {})
+    reason = verdict.reason
+    if reason and fix:
+        reason += f"; held: {', '.join(f'{name}={value:g}' for name, value in fix.items())}"
+    if reason and mask is not None and mask.mean() < 0.5:
+        reason += "; most of the mask is joint (0, black): is it the wrong way round?"
     rows, columns = count_tiles(tiling, (width, height))
     tell(4, 4)
     return TilingFit(
         ok=verdict.ok,
-        reason=verdict.reason,
+        reason=reason,
         tiling=tiling,
         start=tiling_of(fitted.start.first, fitted.start, (width, height)),
         mask=_enlarge(joint, (height, width)),
@@ -151,18 +158,9 @@ def fit_tiling(
 def _check_picture(
     photo: NDArray[np.floating], mask: NDArray[np.floating] | None
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
-    photo = np.asarray(photo)
-    if photo.ndim == 2:
-        photo = photo[..., None]
-    if photo.ndim != 3 or photo.shape[2] not in (1, 3):
-        raise InputError(f"the photograph has shape {photo.shape}; it must be [H, W], [H, W, 1] or [H, W, 3]")
-    if min(photo.shape[:2]) < _SMALLEST:
-        size = f"{photo.shape[1]} x {photo.shape[0]}"
-        raise InputError(f"the photograph has {size} pixels; it must have {_SMALLEST} x {_SMALLEST} at least")
-    if not np.isfinite(photo).all():
-        raise InputError(f"the photograph holds {int((~np.isfinite(photo)).sum())} numbers that are not finite")
+    photo = check_surface(photo)
     if mask is None:
-        return photo.astype(np.float32), None
+        return photo, None
     mask = np.asarray(mask, np.float32)
     if mask.shape != photo.shape[:2]:
         raise InputError(f"the mask has shape {mask.shape}; it must be that of the photograph, {photo.shape[:2]}")
@@ -170,7 +168,7 @@ def _check_picture(
         raise InputError("the mask must lie between 0 (joint) and 1 (tile)")
     if mask.max() - mask.min() < 0.5:
         raise InputError("the mask is the same everywhere; it must be 1 on tiles and 0 on joints")
-    return photo.astype(np.float32), mask
+    return photo, mask
 
 
 def _choose_starts(reading: Reading, size: tuple[int, int], perspective: bool) -> list[Start]:
@@ -178,7 +176,7 @@ def _choose_starts(reading: Reading, size: tuple[int, int], perspective: bool) -
     working = (size[0] * scale, size[1] * scale)
     best = reading.lattices[0].score
     worth: list[Lattice] = []
-    for lattice in reading.lattices:
+    for lattice in map(turn_upright, reading.lattices):
         free = lattice.bond == "irregular"
         family = [other for other in worth if _same_courses(lattice, other)]
         # The likeliest courses may be laid in several bonds; others must not be crowded out by them.

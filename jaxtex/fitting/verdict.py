@@ -14,6 +14,10 @@ Array = NDArray[np.float64]
 # Contrast, of a perfect 1, that half of the predicted joints must have. Heads are shorter and often shallower.
 _BEDS_SEEN, _HEADS_SEEN = 0.42, 0.17
 _FEWEST_TILES = 4
+_MOST_SPLIT = 0.6  # of the longest tiles, with a joint in their middle
+_SEEN = 3.0  # pixels: tiles smaller than this, far off in an oblique view, show nothing
+_MOST_TILES = 200_000
+_HORIZON = 0.05  # depth, that of the middle being 1, beyond which the plane is not looked at
 _ASTRAY = 0.12  # thinnest band, in tiles, in which a joint is looked for when counting
 
 
@@ -32,17 +36,20 @@ def judge_fit(tiling: Tiling, joint: NDArray[np.float32]) -> Verdict:
     """Judge a tiling in the pixels of a map of joints (H, W)."""
     beds, heads, tiles = measure_joints(tiling, joint)
     bed, head = (float(np.nanmedian(each)) if np.isfinite(each).any() else 0.0 for each in (beds, heads))
-    reason = _find_fault(bed, head, tiles)
+    _, split = find_wrong_sizes(tiling, joint)
+    reason = _find_fault(bed, head, tiles, split)
     return Verdict(not reason, reason, bed, head, tiles)
 
 
-def _find_fault(beds: float, heads: float, tiles: int) -> str:
+def _find_fault(beds: float, heads: float, tiles: int, split: float) -> str:
     if tiles < _FEWEST_TILES:
         return f"only {tiles} whole tiles would lie in the picture: too few to tell a tiling from chance"
     if beds < _BEDS_SEEN:
         return f"joints between courses are not where they should be (contrast {beds:.2f}, {_BEDS_SEEN} needed)"
     if heads < _HEADS_SEEN:
         return f"joints between tiles of a course are not there (contrast {heads:.2f}, {_HEADS_SEEN} needed)"
+    if split > _MOST_SPLIT:
+        return f"{split:.0%} of the tiles would have a joint in their middle"
     return ""
 
 
@@ -111,10 +118,14 @@ def _reader(tiling: Tiling, joint: NDArray[np.float32]) -> tuple[Callable[..., A
 
 
 def list_tiles(tiling: Tiling, width: int, height: int) -> Array:
-    """(N, 3): start q_x, length and top q_y of each tile whose start and end lie in the picture."""
-    corners = np.array([[0.0, 0.0], [width, 0], [width, height], [0, height]])
-    q = np.stack(to_lattice(tiling, corners[:, 0], corners[:, 1]), 1)
+    """(N, 3): start q_x, length and top q_y of each tile whose middle lies in the picture, large enough to be seen.
+
+    None where the view is so oblique, or the tiles so small, that nobody could count them.
+    """
+    q = _visible_border(tiling, width, height)
     w, h = float(tiling.tile_width), float(tiling.tile_height)
+    if np.ptp(q[:, 0]) * np.ptp(q[:, 1]) > _MOST_TILES * w * h * float(np.min(tiling.course_lengths)):
+        return np.zeros((0, 3))
     offsets, rows = np.asarray(tiling.course_offsets), np.asarray(tiling.course_lengths)
     found = []
     for course in range(int(np.floor(q[:, 1].min() / h)), int(np.ceil(q[:, 1].max() / h))):
@@ -126,8 +137,22 @@ def list_tiles(tiling: Tiling, width: int, height: int) -> Array:
         for start, length in zip(starts.T, lengths, strict=True):
             found.append(np.stack([start, np.full(len(start), length), np.full(len(start), course * h)], 1))
     tiles = np.concatenate(found)
-    x, y = from_lattice(tiling, tiles[:, 0] + tiles[:, 1] / 2, tiles[:, 2] + h / 2)
-    return tiles[(x > 0) & (y > 0) & (x < width) & (y < height)]
+    middle = tiles[:, 0] + tiles[:, 1] / 2, tiles[:, 2] + h / 2
+    x, y = from_lattice(tiling, *middle)
+    ends = [from_lattice(tiling, middle[0] + dx, middle[1] + dy) for dx, dy in ((tiles[:, 1], 0.0), (0.0, h))]
+    sizes = [np.hypot(end_x - x, end_y - y) for end_x, end_y in ends]
+    inside = (x > 0) & (y > 0) & (x < width) & (y < height)
+    return tiles[inside & (np.minimum(*sizes) > _SEEN)]
+
+
+def _visible_border(tiling: Tiling, width: int, height: int) -> Array:
+    """Lattice coordinates (N, 2) of the picture's border, as far as it lies well before the horizon."""
+    along = np.linspace(0.0, 1.0, 65)
+    x = np.concatenate([along, along, np.zeros(65), np.ones(65)]) * width
+    y = np.concatenate([np.zeros(65), np.ones(65), along, along]) * height
+    row = np.asarray(tiling.homography, float)[2]
+    depth = (row[0] * x + row[1] * y + row[2]) / (row[0] * width / 2 + row[1] * height / 2 + row[2])
+    return np.stack(to_lattice(tiling, x[depth > _HORIZON], y[depth > _HORIZON]), 1)
 
 
 def to_lattice(tiling: Tiling, x: Array, y: Array) -> tuple[Array, Array]:

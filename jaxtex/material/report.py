@@ -86,7 +86,9 @@ def _headline(photo: Image, file: TilingFile) -> dict[str, str]:
         "tile size": f"{size} <small>px</small>",
         "joints": f"{float(tiling.mortar_x):.3g} / {float(tiling.mortar_y):.3g} <small>px</small>",
         "direction of courses": f"{math.degrees(float(tiling.angle)):.2f}°",
-        "offset": f"{float(tiling.offset):.3f} <small>of a tile</small>",
+        "offset": "course by course"
+        if tiling.bond == "irregular"
+        else f"{float(tiling.offset):.3f} <small>of a tile</small>",
     }
     if report.get("iou") is not None:
         facts["overlap with the mask"] = f"{100 * report['iou']:.0f} <small>%</small>"

@@ -5,19 +5,25 @@ discriminant learns what joints look like in *this* photograph: lighter, darker,
 all of it together. The discriminant, not the lattice, then makes the mask, so that missing joints stay missing.
 """
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from numpy.typing import NDArray
 from skimage import transform
 
+from jaxtex.core.errors import InputError
 from jaxtex.photo.courses import Map, all_views, find_courses, same_courses
 from jaxtex.photo.evidence import Evidence, find_evidence, shrink
 from jaxtex.photo.lattice import Lattice, joint_distances, list_rows, to_strips
+from jaxtex.photo.pictures import check_picture
 from jaxtex.photo.scanlines import scan_courses
 
 WORKING_SIZE = 512
 _ROUNDS = 2
+_SMALLEST = 32  # pixels
+_LONGEST = 6  # times as long as wide
 _RECONSIDERED = 3  # lattices whose nodes are tried in other rows
 _SHRINKAGE = 0.02  # of the within-class covariance towards its diagonal
 
@@ -111,6 +117,36 @@ def _nearness(lattice: Lattice, shape: tuple[int, int]) -> NDArray[np.floating]:
 
 
 def auto_mask(pixels: NDArray[np.floating]) -> NDArray[np.bool_]:
-    """Mask [H, W] of a tiled surface, True on tiles, from its picture alone, linear [H, W, 1 or 3]."""
-    joint = read_tiling(find_evidence(shrink(pixels, WORKING_SIZE))).joint
-    return transform.resize(joint, pixels.shape[:2], order=1) < 0.5
+    """Mask [H, W] of a tiled surface, True on tiles, from its picture alone.
+
+    Args:
+        pixels: linear [H, W], [H, W, 1] or [H, W, 3], at least 32 x 32.
+
+    Raises:
+        InputError: as `check_surface`; or nothing in the picture repeats.
+    """
+    picture = check_surface(pixels)
+    reading = read_tiling(find_evidence(shrink(picture, WORKING_SIZE)))
+    if not reading.lattices:
+        raise InputError("nothing in the picture repeats like courses of tiles; make the mask by lightness or colour")
+    return transform.resize(reading.joint, picture.shape[:2], order=1) < 0.5
+
+
+def check_surface(pixels: npt.ArrayLike) -> Map:
+    """A picture (H, W, 1 or 3) that is large enough, and not too long, for courses to be looked for in it.
+
+    Raises:
+        InputError: it is not, or is no picture: see `check_picture`.
+    """
+    if isinstance(pixels, str | Path):
+        raise InputError(f"{pixels}: is a path; read the picture with read_image and hand in its pixels")
+    if np.asarray(pixels).dtype.kind in "iu":
+        raise InputError("picture: holds whole numbers; it must be linear light, 1 being white (see read_image)")
+    picture = check_picture(pixels)
+    height, width = picture.shape[:2]
+    if min(height, width) < _SMALLEST:
+        raise InputError(f"the picture has {width} x {height} pixels; it must have {_SMALLEST} x {_SMALLEST} at least")
+    if max(height, width) > _LONGEST * min(height, width):
+        raise InputError(f"the picture has {width} x {height} pixels, too long for its width; fit a piece of it")
+    # Exposure is anybody's choice: what counts are differences.
+    return picture / max(float(np.quantile(picture, 0.999)), 1.0)

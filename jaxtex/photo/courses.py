@@ -135,7 +135,7 @@ def _reduce(whole: Map) -> Map:
     if scale == 1.0:
         return whole
     smooth = ndimage.gaussian_filter(whole, 0.4 / scale)
-    shape = [round(n * scale) for n in whole.shape]
+    shape = [max(round(n * scale), 2) for n in whole.shape]
     zoom = [n / m for n, m in zip(shape, whole.shape, strict=True)]
     return ndimage.zoom(smooth, zoom, order=1, grid_mode=True, mode="nearest")
 

@@ -2,7 +2,7 @@
 
 Nothing is known yet of a photograph's joints: they may be lighter or darker than the tiles, of another colour only, or
 not there at all where tiles are told apart by colour. So several maps are made, each positive where it sees a joint of
-its kind, and the lattice search (:mod:`jaxtex.photo.lattice`) finds out which of them is periodic.
+its kind, and the search for courses (:mod:`jaxtex.photo.courses`) finds out which of them is periodic.
 """
 
 from typing import NamedTuple

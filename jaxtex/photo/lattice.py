@@ -10,6 +10,8 @@ Array = NDArray[np.float64]
 # How many independent measurements a picture of a tiling is taken for when models of it are compared: joints, which are
 # out of place one by one, not pixels.
 MEASUREMENTS = 300
+# Tiles: offsets this near to none or to a half are called stack or running.
+SAME_BOND = 0.04
 
 
 class Lattice(NamedTuple):
@@ -70,6 +72,23 @@ def joint_distances(lattice: Lattice, along: Array, across: Array) -> tuple[Arra
         ends = np.concatenate([[0.0], np.cumsum(lengths)])
         head[mine] = np.abs(np.mod(place[mine], ends[-1])[:, None] - ends).min(-1)
     return head * lattice.width, bed
+
+
+def turn_upright(lattice: Lattice) -> Lattice:
+    """A stack bond may be read with its columns as courses; this reads it as model files do, with courses within 45
+    degrees of the picture's rows. Other lattices are given back as they are."""
+    aside = abs(lattice.offset - round(lattice.offset))
+    turned = np.pi / 4 < lattice.angle % np.pi <= 3 * np.pi / 4
+    if lattice.bond not in ("stack", "running", "raking") or aside > SAME_BOND or lattice.shear or not turned:
+        return lattice
+    return lattice._replace(
+        angle=lattice.angle + np.pi / 2,
+        width=lattice.height,
+        height=lattice.width,
+        start=np.array([lattice.start[1], -lattice.start[0]]),
+        offset=0.0,
+        joints=lattice.joints[::-1],
+    )
 
 
 def list_rows(lattice: Lattice) -> list[tuple[float, float]]:

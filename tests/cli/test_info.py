@@ -33,7 +33,7 @@ def test_parameters_stand_with_errors_start_and_meaning(model: Path, capsys: pyt
     assert main(["info", str(model)]) == 0
     shown = capsys.readouterr().out
     rows = {line.split()[0]: line.split() for line in shown.splitlines() if line.strip()}
-    assert rows["tile_width"][1:4] == ["61.25", "0.0123", "61.25"]
+    assert rows["tile_width"][1:4] == ["61.25", "0.012", "61.25"]
     assert rows["tile_height"][1:3] == ["20.5", "20.5"]
     assert rows["angle_deg"][1:3] == ["28.6479", "0"]
     assert rows["origin"][1:7] == ["0", "0", "0.4", "-", "0", "0"]

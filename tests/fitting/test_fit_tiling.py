@@ -66,6 +66,46 @@ def test_a_fixed_parameter_is_kept():
     assert "mortar_y" not in fit.standard_errors
 
 
+@pytest.mark.parametrize(("width", "height"), [(40.0, 40.0), (24.0, 36.0), (36.0, 24.0)])
+@pytest.mark.parametrize("name", ["mortar_x", "mortar_y", "tile_width"])
+def test_what_is_fixed_on_a_stack_bond_is_kept_under_its_own_name(width, height, name):
+    picture, inside = paint_wall(width=width, height=height, offset=0.0, joint=5.0)
+    value = {"mortar_x": 4.0, "mortar_y": 4.0, "tile_width": width * 1.002}[name]
+    fit = fit_tiling(picture, mask=inside.astype(float), fix={name: value})
+    assert float(getattr(fit.tiling, name)) == pytest.approx(value, rel=1e-6)
+    assert float(fit.tiling.tile_height) == pytest.approx(height, rel=1e-2)
+
+
+def test_a_fixed_offset_is_kept_in_a_seamless_picture():
+    picture, _ = paint_wall()
+    fit = fit_tiling(picture, fix={"offset": 0.49})
+    assert float(fit.tiling.offset) == pytest.approx(0.49)
+
+
+def test_errors_of_the_joints_are_told_for_photographs_too():
+    picture, _ = paint_wall(angle=0.2)
+    errors = fit_tiling(picture).standard_errors
+    assert 0 < errors["mortar_x"] < 1
+    assert 0 < errors["tile_width"] < 0.5
+
+
+def test_joints_that_leave_no_tiles_are_refused():
+    picture, inside = paint_wall()
+    with pytest.raises(InputError, match="leaves nothing of tiles"):
+        fit_tiling(picture, mask=inside.astype(float), fix={"mortar_x": 100.0})
+
+
+def test_tiles_twice_too_long_are_no_tiling():
+    picture, inside = paint_wall(offset=0.0)
+    fit = fit_tiling(picture, mask=inside.astype(float), fix={"tile_width": 96.0})
+    assert not fit.ok
+
+
+def test_exposure_does_not_matter():
+    picture, _ = paint_wall(angle=0.2)
+    assert fit_tiling(picture * 1e3).ok
+
+
 @pytest.mark.parametrize("name", ["grass", "gravel"])
 def test_what_is_no_tiling_is_said_to_be_none(name):
     fit = fit_tiling(getattr(data, name)()[:256, :256] / 255.0)
@@ -87,8 +127,8 @@ def test_the_shipped_brick_wall_is_found_obliquely():
     ("photo", "mask", "told"),
     [
         (np.zeros((8, 8)), None, "32 x 32"),
-        (np.zeros((64, 64, 2)), None, r"must be \[H, W\]"),
-        (np.full((64, 64), np.nan), None, "not finite"),
+        (np.zeros((64, 64, 2)), None, r"must have shape \[H, W\]"),
+        (np.full((64, 64), np.nan), None, "NaN or infinite"),
         (np.zeros((64, 64)), np.zeros((32, 32)), "mask has shape"),
         (np.zeros((64, 64)), np.ones((64, 64)), "same everywhere"),
         (np.zeros((64, 64)), np.full((64, 64), 7.0), "between 0"),

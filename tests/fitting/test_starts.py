@@ -94,12 +94,14 @@ def test_a_fixed_parameter_does_not_move_and_an_initial_one_may():
         ({"tile_width": 1.0}, {}, "too small"),
         ({}, {"mortar_x": -1.0}, "negative"),
         ({"offset": np.nan}, {}, "not a finite number"),
+        ({"offset": "0.5"}, {}, "not a number"),
+        ({"tile_width": 5000.0}, {}, "more than twice the photograph"),
         ({"offset": 0.5}, {"offset": 0.4}, "both fixed and started"),
     ],
 )
 def test_choices_out_of_range_are_refused(fix, init, told):
     with pytest.raises(InputError, match=told):
-        check_choices(fix, init)
+        check_choices(fix, init, (512, 512))
 
 
 def test_a_seamless_picture_makes_the_pitches_exact():

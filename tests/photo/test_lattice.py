@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from jaxtex.photo.courses import Courses, same_courses
-from jaxtex.photo.lattice import Lattice, list_rows
+from jaxtex.photo.lattice import Lattice, joint_distances, list_rows, to_strips, turn_upright
 
 
 def make(width, height, offset, bond="raking", angle=0.3):
@@ -46,3 +46,18 @@ def test_slack_asks_for_closer_agreement():
     other = one._replace(angle=0.04)
     assert same_courses(one, other, 256)
     assert not same_courses(one, other, 256, slack=0.3)
+
+
+def test_a_stack_bond_turned_upright_has_the_same_joints():
+    rng = np.random.default_rng(0)
+    lattice = make(30.0, 50.0, 0.0, bond="raking", angle=1.9)._replace(start=np.array([4.0, -7.0]))
+    upright = turn_upright(lattice)
+    assert (upright.width, upright.height) == (50.0, 30.0)
+    x, y = rng.uniform(-100, 100, (2, 200))
+    was, now = (np.stack(joint_distances(each, *to_strips(each, x, y))) for each in (lattice, upright))
+    np.testing.assert_allclose(now, was[::-1], atol=1e-9)
+
+
+@pytest.mark.parametrize("lattice", [make(30, 50, 0.5, angle=1.9), make(30, 50, 0.0, angle=0.3)])
+def test_other_lattices_are_not_turned(lattice):
+    assert turn_upright(lattice) is lattice
