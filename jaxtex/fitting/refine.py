@@ -26,42 +26,57 @@ Array = NDArray[np.float64]
 _BUDGETS = (1 << 12, 1 << 14, 1 << 16)
 # A seamless picture's own period is believed unless it explains the mask worse than this ratio of squared residuals.
 _REPEATS = 1.2
-# The likeliest lattice of a mask is taken without a look at others if fewer joints than this are out of place in it.
-_CERTAIN = 0.05
+# The likeliest lattice of a mask is taken without a look at others if fewer joints than this are out of place in it,
+# and if less than this of the map's variance is left.
+_CERTAIN, _UNEXPLAINED = 0.05, 0.35
 # Shares of joints missing, and of tiles split in the middle, that a right lattice may have; and what each further share
 # adds to the criterion of a wrong one.
 _MISSING, _SPLIT, _DOUBT = 0.2, 0.25, 3.0
 
 
-def refine_all(
-    starts: list[Start], joint: NDArray[np.float32], *, wraps: tuple[bool, bool] = (False, False), sharp: bool = False
-) -> Fitted:
-    """The best of several starts on a map of joints (H, W) of the working picture, refined coarse to fine.
+def refine_coarsely(starts: list[Start], joint: NDArray[np.float32], *, sharp: bool) -> list[Fitted]:
+    """Where several starts end on a blurred map of joints (H, W) of the working picture, best first.
 
-    ``wraps``: whether the picture is seamless in x and y. ``sharp``: the map is a mask whose borders are where they
-    should be to the pixel, and its errors come pixel by pixel: so the last level uses every pixel as it is.
+    ``sharp``: the map is a mask whose borders are where they should be to the pixel, and its errors come pixel by
+    pixel. A first start that is certain then ends the search.
     """
-    level = _level(joint)
+    if not starts:
+        return []
     pitch = min(shortest_pitch(start) for start in starts)
     blur = float(np.clip(0.08 * pitch, 1.5, 6.0))
-    coarse = observe(joint, starts[0].size, blur=blur, tolerance=0.5, budget=_BUDGETS[level - 1])
+    seen = observe(joint, starts[0].size, blur=blur, tolerance=0.5, budget=_BUDGETS[_level(joint) - 1])
     ended: list[Fitted] = []
     for start in starts:
-        ended.append(_doubt(refine(start, coarse), joint))
-        if sharp and ended[0].doubt < _CERTAIN:
+        ended.append(_doubt(refine(start, seen), joint))
+        if sharp and is_certain(ended):
             break
-    ended.sort(key=lambda fitted: fitted.criterion)
-    pitch = shortest_pitch(ended[0].start)
-    blur = float(np.clip(0.04 * pitch, 0.8, 1.5))
-    seen = observe(joint, starts[0].size, blur=blur, tolerance=0.3, budget=_BUDGETS[level])
+    return sorted(ended, key=lambda fitted: fitted.criterion)
+
+
+def is_certain(ended: list[Fitted]) -> bool:
+    """Whether the first explains the map, and nearly every joint of it is where it should be."""
+    return bool(ended) and ended[0].doubt < _CERTAIN and ended[0].unexplained < _UNEXPLAINED
+
+
+def refine_finely(
+    ended: list[Fitted], joint: NDArray[np.float32], *, wraps: tuple[bool, bool] = (False, False), sharp: bool = False
+) -> Fitted:
+    """The best of several ends of the coarse level, carried on to the map of joints (H, W) as it is.
+
+    ``wraps``: whether the picture is seamless in x and y. ``sharp``: see :func:`refine_coarsely`; the last solve then
+    uses every pixel as it is.
+    """
+    budget = _BUDGETS[_level(joint)]
+    blur = float(np.clip(0.04 * shortest_pitch(ended[0].start), 0.8, 1.5))
+    seen = observe(joint, ended[0].start.size, blur=blur, tolerance=0.3, budget=budget)
     # Only ends that the coarse level can hardly tell apart are worth the fine one.
     close = [fitted for fitted in ended[:2] if fitted.criterion < ended[0].criterion + 0.1]
     best = _best(_doubt(_go_on(fitted, seen), joint) for fitted in close)
     best = best._replace(criterion=criterion(best.mean_square, best.start))
     repeated = _repeat(best, seen, wraps)
     best = repeated if repeated is not None else _choose_view(_choose_bond(best, seen), seen)
-    if sharp and joint.size <= _BUDGETS[level]:
-        best = _go_on(best, observe(joint, best.start.size, blur=0.0, tolerance=1.0, budget=_BUDGETS[level]))
+    if sharp and joint.size <= budget:
+        best = _go_on(best, observe(joint, best.start.size, blur=0.0, tolerance=1.0, budget=budget))
     return best
 
 
@@ -99,7 +114,8 @@ def refine(start: Start, seen: Observation) -> Fitted:
     free = np.asarray(solution.free)
     # A picture of which nothing is known is explained by nothing.
     mean_square = float(solution.cost) / int(solution.count) if solution.count else np.inf
-    return Fitted(free, np.asarray(solution.variance), start, criterion(mean_square, start), mean_square)
+    unexplained = mean_square / max(float(np.var(seen.joint[seen.weight > 0])), 1e-12) if solution.count else np.inf
+    return Fitted(free, np.asarray(solution.variance), start, criterion(mean_square, start), mean_square, unexplained)
 
 
 def criterion(mean_square: float, start: Start) -> float:

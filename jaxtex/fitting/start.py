@@ -32,14 +32,15 @@ class Start(NamedTuple):
 
 class Fitted(NamedTuple):
     """A start's end: the ``free`` vector (P,) and its ``variance`` (P,); the ``start`` it came from; ``criterion``, the
-    Bayesian information criterion of the fit (lower is better); ``mean_square`` residual; ``doubt``, the share of
-    joints out of place, 1 as long as nobody looked."""
+    Bayesian information criterion of the fit (lower is better); ``mean_square`` residual, and which share of
+    the map's variance that is: ``unexplained``; ``doubt``, the share of joints out of place, 1 until somebody looks."""
 
     free: Array
     variance: Array
     start: Start
     criterion: float
     mean_square: float
+    unexplained: float
     doubt: float = 1.0
 
 

@@ -16,12 +16,12 @@ from jaxtex.core.errors import InputError
 from jaxtex.fitting.choices import apply_choices, check_choices, check_joints
 from jaxtex.fitting.joints import mask_iou, measure_distances, measure_thickness, see_joints
 from jaxtex.fitting.outcome import count_tiles, standard_errors, tiling_of, tiling_seen
-from jaxtex.fitting.refine import refine_again, refine_all
-from jaxtex.fitting.start import Start, start_fit, with_thickness
+from jaxtex.fitting.refine import is_certain, refine_again, refine_coarsely, refine_finely
+from jaxtex.fitting.start import Fitted, Start, start_fit, with_thickness
 from jaxtex.fitting.verdict import judge_fit
 from jaxtex.models.tiling import Tiling, make_tiling
-from jaxtex.photo.automask import WORKING_SIZE, Reading, check_surface, read_tiling
-from jaxtex.photo.evidence import find_evidence, mask_evidence, shrink
+from jaxtex.photo.automask import WORKING_SIZE, Reading, check_surface, glance_at_mask, read_tiling
+from jaxtex.photo.evidence import Evidence, find_evidence, mask_evidence, shrink
 from jaxtex.photo.lattice import Lattice, turn_upright
 from jaxtex.photo.seamless import find_wrap
 
@@ -101,58 +101,91 @@ def fit_tiling(
     photo, mask = _check_picture(photo, mask)
     height, width = photo.shape[:2]
     check_choices(fix or {}, init or {}, (width, height))
-    clock = [time.perf_counter()]
+    began = time.perf_counter()
     tell(0, 4)
     working = shrink(photo, WORKING_SIZE)
     evidence = find_evidence(working) if mask is None else mask_evidence(shrink(mask, WORKING_SIZE))
-    tell(1, 4)
-    reading = read_tiling(evidence, perspective=perspective, learn=mask is None)
-    clock.append(time.perf_counter())
-    tell(2, 4)
-    if not reading.lattices:
-        return _nothing(photo.shape[:2], reading, "nothing in the picture repeats like courses of tiles")
     # A picture that repeats both ways was made to be seen straight on.
     wraps = find_wrap(working) if mask is None else (False, False)
-    starts = _choose_starts(reading, (width, height), perspective and not all(wraps))
-    starts = [apply_choices(start, (width, height), fix or {}, init or {}) for start in starts]
-    fitted = refine_all(starts, reading.joint, wraps=wraps, sharp=mask is not None)
-    clock.append(time.perf_counter())
+    tell(1, 4)
+
+    def begin(reading: Reading) -> list[Start]:
+        starts = _choose_starts(reading, (width, height), perspective and not all(wraps))
+        return [apply_choices(start, (width, height), fix or {}, init or {}) for start in starts]
+
+    reading, ended, ready = _search(evidence, begin, perspective=perspective, sharp=mask is not None)
+    tell(2, 4)
+    if not ended:
+        return _nothing(photo.shape[:2], reading, "nothing in the picture repeats like courses of tiles")
+    fitted = refine_finely(ended, reading.joint, wraps=wraps, sharp=mask is not None)
+    refined = time.perf_counter()
     tell(3, 4)
-    working_shape = reading.joint.shape[:2]
-    seen = tiling_seen(fitted.free, fitted.start, working_shape[::-1])
-    verdict = judge_fit(seen, reading.joint)
-    joint, shown = reading.joint, seen
-    if mask is None:
-        distances = measure_distances(seen, working_shape)
+    working_size = (reading.joint.shape[1], reading.joint.shape[0])
+    verdict = judge_fit(tiling_seen(fitted.free, fitted.start, working_size), reading.joint)
+    fitted, joint, iou = _look_again(fitted, reading.joint, None if mask is not None else evidence)
+    tiling = tiling_of(fitted.free, fitted.start, (width, height))
+    check_joints(tiling, fix or {})
+    rows, columns = count_tiles(tiling, (width, height))
+    tell(4, 4)
+    return TilingFit(
+        ok=verdict.ok,
+        reason=_explain(verdict.reason, fix or {}, mask),
+        tiling=tiling,
+        start=tiling_of(fitted.start.first, fitted.start, (width, height)),
+        mask=_enlarge(joint, (height, width)),
+        rows=rows,
+        columns=columns,
+        iou=iou,
+        standard_errors=standard_errors(fitted, tiling, (width, height)),
+        evidence={"beds": verdict.beds, "heads": verdict.heads},
+        seconds={"start": ready - began, "refine": refined - ready, "all": time.perf_counter() - began},
+    )
+
+
+def _search(
+    evidence: Evidence, begin: Callable[[Reading], list[Start]], *, perspective: bool, sharp: bool
+) -> tuple[Reading, list[Fitted], float]:
+    """What was read, where its starts ended on the coarse level, and when the reading was ready."""
+    if sharp:
+        # Most masks tell their tiling at a glance.
+        reading = glance_at_mask(evidence)
+        ready = time.perf_counter()
+        ended = refine_coarsely(begin(reading), reading.joint, sharp=True)
+        if is_certain(ended):
+            return reading, ended, ready
+    reading = read_tiling(evidence, perspective=perspective, learn=not sharp)
+    ready = time.perf_counter()
+    return reading, refine_coarsely(begin(reading), reading.joint, sharp=sharp), ready
+
+
+def _look_again(
+    fitted: Fitted, joint: NDArray[np.float32], evidence: Evidence | None
+) -> tuple[Fitted, NDArray[np.float32], float]:
+    """The fit with joints as thick as the photograph's colours say, the map (H, W) of such joints, and their IoU.
+
+    There is no ``evidence`` where the joints are those of the user's own mask.
+    """
+    size = (joint.shape[1], joint.shape[0])
+    seen = tiling_seen(fitted.free, fitted.start, size)
+    if evidence is not None:
+        distances = measure_distances(seen, joint.shape)
         thickness = measure_thickness(seen, distances, evidence)
         fitted = with_thickness(fitted, thickness)
         # Where tiles meet without mortar there is nothing to learn, and the mask goes on showing their edges.
         if min(thickness) > 0:
             joint = see_joints(distances, thickness, evidence)
             fitted = refine_again(fitted, joint)
-            shown = tiling_seen(fitted.free, fitted.start, working_shape[::-1])
-    tiling = tiling_of(fitted.free, fitted.start, (width, height))
-    check_joints(tiling, fix or {})
-    reason = verdict.reason
+            seen = tiling_seen(fitted.free, fitted.start, size)
+    return fitted, joint, mask_iou(seen, joint)
+
+
+def _explain(reason: str, fix: Mapping[str, float], mask: NDArray[np.float32] | None) -> str:
+    """Why the fit did not succeed, with what the user may have had to do with it."""
     if reason and fix:
         reason += f"; held: {', '.join(f'{name}={value:g}' for name, value in fix.items())}"
     if reason and mask is not None and mask.mean() < 0.5:
         reason += "; most of the mask is joint (0, black): is it the wrong way round?"
-    rows, columns = count_tiles(tiling, (width, height))
-    tell(4, 4)
-    return TilingFit(
-        ok=verdict.ok,
-        reason=reason,
-        tiling=tiling,
-        start=tiling_of(fitted.start.first, fitted.start, (width, height)),
-        mask=_enlarge(joint, (height, width)),
-        rows=rows,
-        columns=columns,
-        iou=mask_iou(shown, joint),
-        standard_errors=standard_errors(fitted, tiling, (width, height)),
-        evidence={"beds": verdict.beds, "heads": verdict.heads},
-        seconds={"start": clock[1] - clock[0], "refine": clock[2] - clock[1], "all": time.perf_counter() - clock[0]},
-    )
+    return reason
 
 
 def _check_picture(
@@ -174,7 +207,7 @@ def _check_picture(
 def _choose_starts(reading: Reading, size: tuple[int, int], perspective: bool) -> list[Start]:
     scale = max(reading.joint.shape) / max(size)
     working = (size[0] * scale, size[1] * scale)
-    best = reading.lattices[0].score
+    best = reading.lattices[0].score if reading.lattices else 0.0
     worth: list[Lattice] = []
     for lattice in map(turn_upright, reading.lattices):
         free = lattice.bond == "irregular"

@@ -57,10 +57,24 @@ def read_tiling(evidence: Evidence, *, perspective: bool = True, learn: bool = T
     return Reading(joint, lattices)
 
 
+def glance_at_mask(evidence: Evidence) -> Reading:
+    """What the strongest courses of the user's mask say, seen straight on: much sooner than :func:`read_tiling`."""
+    lattices = find_lattices(evidence.joints, all_views(False), per_map=1, drawn=True, reconsidered=0)
+    return Reading(evidence.features[..., 0], lattices)
+
+
 def find_lattices(
-    joints: dict[str, Map], views: list[NDArray[np.float64]], *, per_map: int, drawn: bool = False
+    joints: dict[str, Map],
+    views: list[NDArray[np.float64]],
+    *,
+    per_map: int,
+    drawn: bool = False,
+    reconsidered: int = _RECONSIDERED,
 ) -> list[Lattice]:
-    """All guesses from all maps (H, W), best first; ``drawn`` as in :func:`scan_courses`."""
+    """All guesses from all maps (H, W), best first.
+
+    ``drawn`` as in :func:`scan_courses`; ``reconsidered``: how many of the best are tried in other rows too.
+    """
     families = find_courses(joints, views=views, per_map=per_map)
     lattices: list[Lattice] = []
     extent = max(next(iter(joints.values())).shape)
@@ -71,7 +85,7 @@ def find_lattices(
     ]
     found.sort(key=lambda each: -each[0].score)
     # Shifted courses of narrow tiles look like courses that slant: nodes tell which courses they may lie on.
-    for lattice, family in found[:_RECONSIDERED]:
+    for lattice, family in found[:reconsidered]:
         for angle, height in list_rows(lattice):
             other = family._replace(angle=angle, height=height)
             if not any(same_courses(other, known, extent, slack=0.3) for known in families):
