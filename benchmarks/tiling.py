@@ -176,7 +176,8 @@ def write_report(results: list[Result]) -> None:
     """The tables as a page beside this script, with what they were measured on."""
     import jax
 
-    command = "python benchmarks/tiling.py " + shlex.join(sys.argv[1:])
+    # Where a photograph lies is nobody's business.
+    command = "python benchmarks/tiling.py " + shlex.join(Path(word).name for word in sys.argv[1:])
     versions = f"Python {platform.python_version()}, JAX {jax.__version__}, NumPy {np.__version__}"
     lines = [f"Made by `{command.strip()}`.", "", f"{os.cpu_count()} cores, {processor()}; {versions}."]
     for title, head, rows in results:
