@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from jaxtex.models.grids import coverage_grid as coverage_grid
     from jaxtex.models.tiling import Tiling as Tiling
     from jaxtex.models.tiling import make_tiling as make_tiling
+    from jaxtex.models.wood import Wood as Wood
+    from jaxtex.models.wood import make_wood as make_wood
     from jaxtex.photo.automask import auto_mask as auto_mask
     from jaxtex.photo.edges import pyramid_edges as pyramid_edges
     from jaxtex.photo.edges import sobel_edges as sobel_edges
@@ -93,6 +95,8 @@ _PUBLIC = {
     # the model, its mask, its file
     "Tiling": "jaxtex.models.tiling",
     "make_tiling": "jaxtex.models.tiling",
+    "Wood": "jaxtex.models.wood",
+    "make_wood": "jaxtex.models.wood",
     "coverage_grid": "jaxtex.models.grids",
     "TilingFile": "jaxtex.models.files",
     "SourceImage": "jaxtex.models.files",

@@ -1,0 +1,201 @@
+"""Wood as a solid: rings around the axis of a trunk, cut by a plank.
+
+Lefebvre & Poulin 2000, section 3. A plank's points (u, v) are pixels from the picture's centre, x right and y down; the
+trunk's are (X, Y, Z), its axis along Z. The plank is turned in the picture by `rotation`, and leans by `tilt` against
+the axis: at tilt 0 its grain runs along the trunk, at 90 degrees it is end grain.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+from jax import Array
+from jax.typing import ArrayLike
+
+from jaxtex.models.soft import soft_step
+
+_WAVES = 48
+_PITH = 1e-3  # of the ring spacing: how far the pith is rounded, so that it has a gradient
+_PERIODS = 3  # neighbouring rings that a spot may still see
+_WIDEST = 0.5  # rings: beyond this width a spot sees but the fundamental of the rings, to nine digits
+_SHAPES = {"center": (2,), "early_rgb": (3,), "late_rgb": (3,)}  # the others are one number each
+_LIMITS = {
+    "ring_spacing": (1e-6, np.inf),
+    "early_fraction": (0.0, 1.0),
+    "turbulence_rms": (0.0, np.inf),
+    "turbulence_frequency": (0.0, np.inf),
+}
+
+
+class Wood(eqx.Module):
+    """The wood of a trunk, and where a plank was cut from it (Lefebvre & Poulin 2000, section 3).
+
+    Lengths are pixels of the plank's picture. Departures from the paper: turbulence is given by the displacement that
+    it causes, its root mean square in pixels, whatever noise makes it; rings have soft edges as wide as the spot that
+    looks at them.
+
+    Attributes:
+        center: (2,), the axis (xc, yc) in trunk coordinates.
+        tilt: of the plank against the axis, radians, 0 to pi/2.
+        rotation: of the plank in the picture, radians, 0 to pi; across the grain is (cos, sin), along it (-sin, cos).
+        ring_spacing: from ring to ring, > 0.
+        early_fraction: share of early wood, the lighter, in a period, 0 to 1.
+        early_rgb, late_rgb: (3,), linear light.
+        turbulence_rms: root mean square of the rings' displacement, >= 0.
+        turbulence_frequency: of that displacement, cycles per pixel, >= 0.
+        waves: (K, 3), the directions of the plane waves that the turbulence is made of, in units of its frequency.
+        phases: (K,), theirs, radians.
+
+    Examples:
+        >>> plank = make_wood(center=(10.0, 0.0), ring_spacing=20.0)
+        >>> plank.ring_count(plank.to_trunk(jnp.array([50.0, 7.0]))).round(3).item()
+        2.0
+    """
+
+    center: Array
+    tilt: Array
+    rotation: Array
+    ring_spacing: Array
+    early_fraction: Array
+    early_rgb: Array
+    late_rgb: Array
+    turbulence_rms: Array
+    turbulence_frequency: Array
+    waves: Array
+    phases: Array
+
+    def to_trunk(self, point: Array) -> Array:
+        """Plank point (u, v) to the trunk's (X, Y, Z)."""
+        c, s = jnp.cos(self.rotation), jnp.sin(self.rotation)
+        across, along = c * point[0] + s * point[1], c * point[1] - s * point[0]
+        return jnp.stack([across, along * jnp.sin(self.tilt), along * jnp.cos(self.tilt)])
+
+    def radius(self, trunk: Array) -> Array:
+        """Distance of a trunk point (3,) from the axis, as turbulence has it; smooth at the pith."""
+        return self._distance(trunk)[0] + self.turbulence(trunk)
+
+    def ring_count(self, trunk: Array) -> Array:
+        """How many rings lie between the axis and a trunk point (3,)."""
+        return self.radius(trunk) / self.ring_spacing
+
+    def turbulence(self, trunk: Array) -> Array:
+        """By how much rings are displaced outwards at a trunk point (3,)."""
+        turns = self.waves @ trunk * self.turbulence_frequency
+        amplitude = self.turbulence_rms * jnp.sqrt(2.0 / len(self.phases))
+        return amplitude * jnp.sum(jnp.cos(2 * jnp.pi * turns + self.phases))
+
+    def early_wood(self, trunk: Array, *, blur: ArrayLike) -> Array:
+        """How much of a Gaussian spot of standard deviation `blur` pixels around a trunk point (3,) is early wood."""
+        return early_share(self.ring_count(trunk), self.early_fraction, blur / self.ring_spacing)
+
+    def early_on_plank(self, point: Array, *, blur: ArrayLike) -> Array:
+        """The same for a spot on the plank, around its point (u, v): along the grain it sees rings stretched."""
+        trunk = self.to_trunk(point)
+        _, outwards = self._distance(trunk)
+        seen = jnp.sqrt(outwards[0] ** 2 + (outwards[1] * jnp.sin(self.tilt)) ** 2 + _PITH)
+        return early_share(self.ring_count(trunk), self.early_fraction, blur * seen / self.ring_spacing)
+
+    def colour(self, trunk: Array, *, blur: ArrayLike) -> Array:
+        """Linear colour (3,) at a trunk point (3,)."""
+        early = self.early_wood(trunk, blur=blur)
+        return self.late_rgb + early * (self.early_rgb - self.late_rgb)
+
+    def _distance(self, trunk: Array) -> tuple[Array, Array]:
+        """From the axis, and the unit vector (2,) away from it."""
+        aside = trunk[:2] - self.center
+        distance = jnp.sqrt(jnp.sum(aside**2) + (_PITH * self.ring_spacing) ** 2)
+        return distance, aside / distance
+
+
+def early_share(count: ArrayLike, fraction: ArrayLike, width: ArrayLike) -> Array:
+    """Share of early wood that a Gaussian spot sees, `width` rings wide, at a ring count.
+
+    Early wood is where sin(2 pi count) > cos(pi fraction), which is the fraction of each ring around a quarter turn.
+
+    Args:
+        count, fraction, width: of shapes that broadcast; `count` in rings, `fraction` 0 to 1, `width` the spot's
+            standard deviation in rings, >= 0.
+
+    Examples:
+        >>> early_share(jnp.array([0.25, 0.75]), 0.4, 0.01).tolist()
+        [1.0, 0.0]
+    """
+    width = jnp.maximum(width, 1e-6)
+    narrow = jnp.minimum(width, _WIDEST)
+    turn = jnp.asarray(count) - 0.25
+    aside = turn - jnp.round(turn)
+    mean = jnp.asarray(fraction)
+    half = mean / 2
+    share = jnp.zeros_like(aside)
+    for n in range(-_PERIODS, _PERIODS + 1):
+        share = share + soft_step((aside - n + half) / narrow) - soft_step((aside - n - half) / narrow)
+    # A wider spot sees the fundamental fade as its Gaussian has it, and the mean of early and late wood stay.
+    fading = jnp.exp(-2 * jnp.pi**2 * (width**2 - narrow**2))
+    return mean + (share - mean) * fading
+
+
+def make_wood(
+    *,
+    ring_spacing: ArrayLike,
+    center: npt.ArrayLike = (0.0, 0.0),
+    tilt: ArrayLike = 0.0,
+    rotation: ArrayLike = 0.0,
+    early_fraction: ArrayLike = 0.6,
+    early_rgb: npt.ArrayLike = (0.55, 0.33, 0.17),
+    late_rgb: npt.ArrayLike = (0.27, 0.13, 0.06),
+    turbulence_rms: ArrayLike = 0.0,
+    turbulence_frequency: ArrayLike = 0.005,
+    seed: int = 0,
+) -> Wood:
+    """A `Wood` from plain numbers; the turbulence's shape is that of the `seed`.
+
+    Args:
+        ring_spacing, center, tilt, rotation, early_fraction, early_rgb, late_rgb, turbulence_rms, turbulence_frequency:
+            as `Wood` has them.
+        seed: whole number, >= 0.
+
+    Raises:
+        ValueError: a number that is out of range or not finite, or too many or too few of them.
+
+    Examples:
+        >>> make_wood(ring_spacing=20.0, tilt=0.3).early_on_plank(jnp.array([5.0, 0.0]), blur=0.5).round(2).item()
+        1.0
+    """
+    given = {
+        "center": center,
+        "tilt": tilt,
+        "rotation": rotation,
+        "ring_spacing": ring_spacing,
+        "early_fraction": early_fraction,
+        "early_rgb": early_rgb,
+        "late_rgb": late_rgb,
+        "turbulence_rms": turbulence_rms,
+        "turbulence_frequency": turbulence_frequency,
+    }
+    numbers = {name: _checked(name, value) for name, value in given.items()}
+    waves, phases = _draw_waves(seed)
+    return Wood(**{name: jnp.asarray(value, float) for name, value in numbers.items()}, waves=waves, phases=phases)
+
+
+def _checked(name: str, value: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """The numbers of a parameter, once they are known to be as many as it has, finite and in its range."""
+    numbers = np.asarray(value, float)
+    shape = _SHAPES.get(name, ())
+    if numbers.shape != shape:
+        raise ValueError(f"{name} has the shape {numbers.shape}; it must be {shape or 'one number'}")
+    if not np.isfinite(numbers).all():
+        raise ValueError(f"{name} is {numbers.tolist()}; it must be finite")
+    low, high = _LIMITS.get(name, (-np.inf, np.inf))
+    if not np.all((low <= numbers) & (numbers <= high)):
+        most = f" and at most {high:g}" if high < np.inf else ""
+        raise ValueError(f"{name} is {numbers.tolist()}; it must be at least {low:g}{most}")
+    return numbers
+
+
+def _draw_waves(seed: int) -> tuple[Array, Array]:
+    """Directions all around, each about one unit long: turbulence has its frequency, give or take a third."""
+    rng = np.random.default_rng(seed)
+    directions = rng.normal(size=(_WAVES, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    waves = directions * np.exp(rng.normal(0.0, 0.3, (_WAVES, 1)))
+    return jnp.asarray(waves, float), jnp.asarray(rng.uniform(0.0, 2 * np.pi, _WAVES), float)
