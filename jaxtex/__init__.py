@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from jaxtex.material.sheet import Sheet as Sheet
     from jaxtex.material.sheet import lay_photographed_sheet as lay_photographed_sheet
     from jaxtex.material.sheet import lay_sheet as lay_sheet
-    from jaxtex.models.files import SourceImage as SourceImage
+    from jaxtex.models.envelope import SourceImage as SourceImage
     from jaxtex.models.files import TilingFile as TilingFile
     from jaxtex.models.files import load_model as load_model
     from jaxtex.models.files import save_model as save_model
@@ -47,6 +47,10 @@ if TYPE_CHECKING:
     from jaxtex.models.tiling import make_tiling as make_tiling
     from jaxtex.models.wood import Wood as Wood
     from jaxtex.models.wood import make_wood as make_wood
+    from jaxtex.models.wood_files import WoodFile as WoodFile
+    from jaxtex.models.wood_files import canonical_wood as canonical_wood
+    from jaxtex.models.wood_files import wood_from_parameters as wood_from_parameters
+    from jaxtex.models.wood_files import wood_parameters as wood_parameters
     from jaxtex.photo.automask import auto_mask as auto_mask
     from jaxtex.photo.edges import pyramid_edges as pyramid_edges
     from jaxtex.photo.edges import sobel_edges as sobel_edges
@@ -99,10 +103,14 @@ _PUBLIC = {
     "make_wood": "jaxtex.models.wood",
     "coverage_grid": "jaxtex.models.grids",
     "TilingFile": "jaxtex.models.files",
-    "SourceImage": "jaxtex.models.files",
+    "WoodFile": "jaxtex.models.wood_files",
+    "SourceImage": "jaxtex.models.envelope",
     "load_model": "jaxtex.models.files",
     "save_model": "jaxtex.models.files",
     "tiling_parameters": "jaxtex.models.files",
+    "canonical_wood": "jaxtex.models.wood_files",
+    "wood_parameters": "jaxtex.models.wood_files",
+    "wood_from_parameters": "jaxtex.models.wood_files",
     # model -> material
     "measure_appearance": "jaxtex.material.measure",
     "Appearance": "jaxtex.material.appearance",

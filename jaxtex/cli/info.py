@@ -27,9 +27,13 @@ class Info:
     def run(self) -> int:
         from rich.console import Console
 
-        from jaxtex.models.files import load_model
+        from jaxtex.core.errors import InputError
+        from jaxtex.models.files import load_model, need_tiling
 
-        file = load_model(self.model)
+        try:
+            file = need_tiling(load_model(self.model))
+        except InputError as error:
+            raise InputError(f"{self.model}: {error}") from None
         console = Console(highlight=False, markup=False)
         for line in _headlines(self.model, file):
             console.print(line)

@@ -15,7 +15,7 @@ from jax import Array
 from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
 from jaxtex.core.errors import InputError
 from jaxtex.material.patterns import ONE_CLASS, Pattern, class_of
-from jaxtex.models.files import TilingFile
+from jaxtex.models.files import ModelFile, need_tiling
 from jaxtex.models.tiling import Tiling
 
 Place = tuple[int, int]
@@ -122,12 +122,13 @@ def choose_relief(tiling: Tiling) -> tuple[float, float]:
     return round(_DEPTH * mortar, 3), round(min(_DEPTH * mortar, 0.25 * face), 3)
 
 
-def appearance_of(file: TilingFile) -> Appearance:
+def appearance_of(file: ModelFile) -> Appearance:
     """The appearance in a model file; grey tiles and lighter joints where it has none.
 
     Raises:
-        InputError: as `appearance_from_json`.
+        InputError: as `appearance_from_json`, or the model is no tiling.
     """
+    file = need_tiling(file)
     if file.appearance is not None:
         return appearance_from_json(file.appearance)
     depth, edge = choose_relief(file.tiling)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from jaxtex.core.errors import InputError
 from jaxtex.material.patterns import ONE_CLASS, Pattern, class_of
-from jaxtex.models.files import TilingFile
+from jaxtex.models.files import ModelFile, need_tiling
 from jaxtex.models.tiling import Tiling
 
 _TOLERANCE = 0.01  # of a tile: what a length or a course's shift may give way so that the bond repeats
@@ -167,7 +167,7 @@ def lay_sheet(
 
 
 def lay_photographed_sheet(
-    file: TilingFile, *, tiles: tuple[int, int] | None = None, seamless: bool = False, pattern: Pattern = ONE_CLASS
+    file: ModelFile, *, tiles: tuple[int, int] | None = None, seamless: bool = False, pattern: Pattern = ONE_CLASS
 ) -> Sheet:
     """Lay the sheet that the photograph of a model file shows.
 
@@ -177,8 +177,9 @@ def lay_photographed_sheet(
         seamless, pattern: as in `lay_sheet`.
 
     Raises:
-        InputError: as `lay_sheet`.
+        InputError: as `lay_sheet`, or the model is no tiling.
     """
+    file = need_tiling(file)
     shown = (file.columns, file.rows)
     x, y = file.tiling.to_lattice(jnp.array([0.5 * file.image.width, 0.5 * file.image.height])).tolist()
     mean_length = float(file.tiling.tile_width) * float(np.mean(file.tiling.course_lengths))

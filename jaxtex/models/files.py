@@ -1,39 +1,27 @@
 """Model files: what a photograph made of a model, as versioned JSON that says what it means.
 
-The format is described, key by key, by the JSON Schema `tiling-1.json` beside this module.
+This module reads and writes them all, and holds what is the tilings' own; their format is described, key by key, by the
+JSON Schema `tiling-1.json` beside it.
 """
 
 import dataclasses
-import json
 import math
-from collections.abc import Mapping
-from functools import cache
-from importlib import resources
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import numpy as np
 
-import jaxtex
 from jaxtex.core.errors import InputError
-from jaxtex.io.files import atomic_write_text
 from jaxtex.models.canonical import canonical
-from jaxtex.models.documents import find_fault, read_document, write_document
+from jaxtex.models.envelope import SourceImage as SourceImage
+from jaxtex.models.envelope import plain, read_envelope, schema_of, write_envelope
 from jaxtex.models.tiling import Tiling, make_tiling
+from jaxtex.models.wood_files import WoodFile, wood_content, wood_from_document
 
-SCHEMA = 1
-_REPORT = ("ok", "reason", "iou", "start", "standard_errors")
 # Parameters that stand in a file only where they are not the plain tiling's.
 _OPTIONAL: dict[str, Any] = {"course_lengths": [[1.0]], "course_offsets": [0.0], "corner_radius": 0.0}
-
-
-class SourceImage(NamedTuple):
-    """The photograph a model was fitted to: its size in pixels, upright, and the SHA-256 of its file in hexadecimal."""
-
-    width: int
-    height: int
-    sha256: str
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -64,16 +52,20 @@ class TilingFile:
     versions: Mapping[str, str] | None = None
 
 
-def save_model(path: Path | str, file: TilingFile) -> None:
+ModelFile = TilingFile | WoodFile
+
+
+def save_model(path: Path | str, file: ModelFile) -> None:
     """Write a model file, whole or not at all. The same model gives the same bytes.
 
-    The tiling is written in its canonical form (see `jaxtex.models.canonical`). Numbers in the report that are not
-    finite become null.
+    The model is written in its canonical form (see `jaxtex.models.canonical` and `canonical_wood`). Numbers in the
+    report that are not finite become null.
 
     Raises:
         InputError: the folder does not exist.
         ValueError: the model cannot be written: numbers that are not finite or out of range, a report without its
-            entries, or an appearance whose tiles would be numbered otherwise in the canonical form.
+            entries, an appearance whose tiles would be numbered otherwise in the canonical form, or a turbulence that
+            is not that of the file's seed.
 
     Examples:
         >>> report = {"ok": True, "reason": "made by hand", "iou": None, "start": None, "standard_errors": {}}
@@ -82,60 +74,40 @@ def save_model(path: Path | str, file: TilingFile) -> None:
         >>> float(load_model("wall.json").tiling.tile_width)
         60.0
     """
-    _check_numbering(file)
-    parameters = tiling_parameters(file.tiling, rows=file.rows, columns=file.columns, mm_per_px=file.mm_per_px)
-    report = {key: file.report[key] for key in _REPORT if key in file.report}
-    report |= {key: file.report[key] for key in sorted(set(file.report) - set(_REPORT))}
-    document: dict[str, Any] = {
-        "schema": SCHEMA,
-        "type": "tiling",
-        "image": file.image._asdict(),
-        "parameters": parameters,
-        "report": _finite_or_null(report),
-        "appearance": file.appearance,
-        "versions": _running_versions() if file.versions is None else dict(sorted(file.versions.items())),
-        "seed": file.seed,
-    }
-    document = _plain({key: value for key, value in document.items() if value is not None})
-    fault = find_fault(document, tiling_schema())
-    if fault:
-        raise ValueError(f"this model cannot be written: {fault}")
-    atomic_write_text(path, write_document(document))
+    kind, content = ("wood", wood_content(file)) if isinstance(file, WoodFile) else ("tiling", _tiling_content(file))
+    write_envelope(path, kind, image=file.image, content=content, versions=file.versions, seed=file.seed)
 
 
-def load_model(path: Path | str) -> TilingFile:
+def load_model(path: Path | str) -> ModelFile:
     """Read a model file.
+
+    Returns:
+        A `TilingFile` or a `WoodFile`, as the file's `type` says.
 
     Raises:
         InputError: there is no such file, it is damaged, of an unknown kind or version, or one of its entries is
             missing or wrong; the message names the file and the entry.
     """
-    document = read_document(path)
-    if "schema" not in document or "type" not in document:
-        raise InputError(f"{path}: has no schema and type, so it is no model file (model.json)")
-    if document["schema"] != SCHEMA:
-        raise InputError(f"{path}: schema is {document['schema']!r}; this version of jaxtex reads {SCHEMA}")
-    if document["type"] != "tiling":
-        raise InputError(f"{path}: type is {document['type']!r}; this version of jaxtex reads tiling")
-    fault = find_fault(document, tiling_schema())
-    if fault:
-        raise InputError(f"{path}: {fault}")
-    parameters = document["parameters"]
+    readers: dict[str, Callable[[Mapping[str, Any]], ModelFile]] = {
+        "tiling": _tiling_from_document,
+        "wood": wood_from_document,
+    }
+    document = read_envelope(path, tuple(readers))
     try:
-        tiling = tiling_from_parameters(parameters)
+        return readers[document["type"]](document)
     except ValueError as error:
         raise InputError(f"{path}: parameters: {error}") from None
-    return TilingFile(
-        tiling=tiling,
-        image=SourceImage(**document["image"]),
-        rows=int(parameters["rows"]),
-        columns=int(parameters["columns"]),
-        report=document["report"],
-        appearance=document.get("appearance"),
-        seed=document.get("seed"),
-        mm_per_px=parameters.get("mm_per_px"),
-        versions=document.get("versions"),
-    )
+
+
+def need_tiling(file: ModelFile) -> TilingFile:
+    """`file` itself, once it is known to be that of a tiling.
+
+    Raises:
+        InputError: it is that of another model.
+    """
+    if not isinstance(file, TilingFile):
+        raise InputError("this is a model of wood, which has no tiles; give a model of a tiling")
+    return file
 
 
 def tiling_parameters(tiling: Tiling, *, rows: int, columns: int, mm_per_px: float | None = None) -> dict[str, Any]:
@@ -166,8 +138,7 @@ def tiling_parameters(tiling: Tiling, *, rows: int, columns: int, mm_per_px: flo
         "corner_radius": written.corner_radius,
         "mm_per_px": mm_per_px,
     }
-    plain = _plain(values)
-    return {key: value for key, value in plain.items() if value is not None and value != _OPTIONAL.get(key)}
+    return {key: value for key, value in plain(values).items() if value is not None and value != _OPTIONAL.get(key)}
 
 
 def tiling_from_parameters(parameters: Mapping[str, Any]) -> Tiling:
@@ -187,12 +158,30 @@ def tiling_from_parameters(parameters: Mapping[str, Any]) -> Tiling:
         return jax.tree.map(np.asarray, tiling)
 
 
-@cache
 def tiling_schema() -> dict[str, Any]:
     """The JSON Schema of model files of tilings."""
-    text = resources.files("jaxtex.models").joinpath("schema", f"tiling-{SCHEMA}.json").read_text(encoding="utf-8")
-    schema: dict[str, Any] = json.loads(text)
-    return schema
+    return schema_of("tiling")
+
+
+def _tiling_content(file: TilingFile) -> dict[str, Any]:
+    _check_numbering(file)
+    parameters = tiling_parameters(file.tiling, rows=file.rows, columns=file.columns, mm_per_px=file.mm_per_px)
+    return {"parameters": parameters, "report": file.report, "appearance": file.appearance}
+
+
+def _tiling_from_document(document: Mapping[str, Any]) -> TilingFile:
+    parameters = document["parameters"]
+    return TilingFile(
+        tiling=tiling_from_parameters(parameters),
+        image=SourceImage(**document["image"]),
+        rows=int(parameters["rows"]),
+        columns=int(parameters["columns"]),
+        report=document["report"],
+        appearance=document.get("appearance"),
+        seed=document.get("seed"),
+        mm_per_px=parameters.get("mm_per_px"),
+        versions=document.get("versions"),
+    )
 
 
 def _check_numbering(file: TilingFile) -> None:
@@ -201,29 +190,3 @@ def _check_numbering(file: TilingFile) -> None:
     given, written = jax.tree.leaves(file.tiling), jax.tree.leaves(canonical(file.tiling))
     if not all(np.array_equal(one, other) for one, other in zip(given, written, strict=True)):
         raise ValueError("the tiling is not in canonical form; bring it there before you measure its appearance")
-
-
-def _running_versions() -> dict[str, str]:
-    return {"jax": jax.__version__, "jaxtex": jaxtex.__version__, "numpy": np.__version__}
-
-
-def _plain(value: Any) -> Any:
-    """As JSON has it: arrays become lists, and minus zero, which draws the same picture, zero."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray | np.generic | jax.Array):
-        return _plain(np.asarray(value).tolist())
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float):
-        return value + 0.0
-    return value
-
-
-def _finite_or_null(value: Any) -> Any:
-    value = _plain(value)
-    if isinstance(value, dict):
-        return {key: _finite_or_null(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_finite_or_null(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

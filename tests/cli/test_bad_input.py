@@ -68,7 +68,7 @@ BAD = [
     Bad("model that is no JSON", "render {text}", ("text.png", "damaged, or is no JSON")),
     Bad("photograph for a model", "info {photo}", ("photo.png",)),
     Bad("model of another schema", "render {schema}", ("schema.json", "schema is 2", "reads 1")),
-    Bad("model of another kind", "info {wood}", ("wood.json", "type is 'wood'", "reads tiling")),
+    Bad("model of another kind", "info {clay}", ("clay.json", "type is 'clay'", "reads tiling and wood")),
     Bad("model without width", "render {lacking}", ("lacking.json", "tile_width", "missing")),
     Bad("model with a negative joint", "info {negative}", ("negative.json", "mortar_x")),
     Bad("maps too small", "render {model} --size 3x3", ("3 x 3", "too small")),
@@ -155,7 +155,7 @@ def _models(folder: Path) -> dict[str, Path]:
     return {
         "model": folder / "model.json",
         "schema": changed("schema", lambda document: document.update(schema=2)),
-        "wood": changed("wood", lambda document: document.update(type="wood")),
+        "clay": changed("clay", lambda document: document.update(type="clay")),
         "lacking": changed("lacking", lambda document: document["parameters"].pop("tile_width")),
         "negative": changed("negative", lambda document: document["parameters"].update(mortar_x=-1)),
     }
