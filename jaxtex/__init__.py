@@ -26,6 +26,10 @@ if TYPE_CHECKING:
     from jaxtex.io.images import write_image as write_image
     from jaxtex.io.masks import read_mask as read_mask
     from jaxtex.io.masks import write_mask as write_mask
+    from jaxtex.io.meshes import Mesh as Mesh
+    from jaxtex.io.meshes import read_mesh as read_mesh
+    from jaxtex.io.meshes import write_mesh as write_mesh
+    from jaxtex.io.voxels import write_voxels as write_voxels
     from jaxtex.material.appearance import Appearance as Appearance
     from jaxtex.material.appearance import appearance_of as appearance_of
     from jaxtex.material.export import write_maps as write_maps
@@ -37,6 +41,11 @@ if TYPE_CHECKING:
     from jaxtex.material.sheet import Sheet as Sheet
     from jaxtex.material.sheet import lay_photographed_sheet as lay_photographed_sheet
     from jaxtex.material.sheet import lay_sheet as lay_sheet
+    from jaxtex.material.wood import WoodMaps as WoodMaps
+    from jaxtex.material.wood import carve_mesh as carve_mesh
+    from jaxtex.material.wood import render_block as render_block
+    from jaxtex.material.wood import render_points as render_points
+    from jaxtex.material.wood import render_wood as render_wood
     from jaxtex.models.envelope import SourceImage as SourceImage
     from jaxtex.models.files import TilingFile as TilingFile
     from jaxtex.models.files import load_model as load_model
@@ -78,6 +87,10 @@ _PUBLIC = {
     "write_image": "jaxtex.io.images",
     "read_mask": "jaxtex.io.masks",
     "write_mask": "jaxtex.io.masks",
+    "Mesh": "jaxtex.io.meshes",
+    "read_mesh": "jaxtex.io.meshes",
+    "write_mesh": "jaxtex.io.meshes",
+    "write_voxels": "jaxtex.io.voxels",
     # photograph -> mask
     "rectify": "jaxtex.photo.rectify",
     "even_out": "jaxtex.photo.illumination",
@@ -120,6 +133,11 @@ _PUBLIC = {
     "lay_photographed_sheet": "jaxtex.material.sheet",
     "Maps": "jaxtex.material.maps",
     "render_maps": "jaxtex.material.maps",
+    "WoodMaps": "jaxtex.material.wood",
+    "render_wood": "jaxtex.material.wood",
+    "render_points": "jaxtex.material.wood",
+    "render_block": "jaxtex.material.wood",
+    "carve_mesh": "jaxtex.material.wood",
     "write_maps": "jaxtex.material.export",
     "draw_overlay": "jaxtex.material.overlay",
     "shade_maps": "jaxtex.material.preview",

@@ -7,16 +7,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 if TYPE_CHECKING:
-    from jaxtex.models.files import TilingFile
-
+    from jaxtex.models.files import ModelFile, TilingFile
+    from jaxtex.models.wood_files import WoodFile
 
 _LONGEST_LIST = 4  # entries shown in full
+_ASSUMED = "not seen"  # for the error of a parameter that the photograph does not tell
 _WIDE = 110  # characters: room for what the parameters mean
 
 
 @dataclass(frozen=True)
 class Info:
-    """Print a model file: its parameters with their errors and where the fit began, and how the fit went.
+    """Print a model file, of a tiling or of wood: its parameters with their errors and where the fit began, and how the
+    fit went. What the photograph does not tell has "not seen" for an error.
 
     Example: jaxtex info fitted/model.json
     """
@@ -27,13 +29,9 @@ class Info:
     def run(self) -> int:
         from rich.console import Console
 
-        from jaxtex.core.errors import InputError
-        from jaxtex.models.files import load_model, need_tiling
+        from jaxtex.models.files import load_model
 
-        try:
-            file = need_tiling(load_model(self.model))
-        except InputError as error:
-            raise InputError(f"{self.model}: {error}") from None
+        file = load_model(self.model)
         console = Console(highlight=False, markup=False)
         for line in _headlines(self.model, file):
             console.print(line)
@@ -41,22 +39,21 @@ class Info:
         return 0
 
 
-def _headlines(path: Path, file: "TilingFile") -> list[str]:
+def _headlines(path: Path, file: "ModelFile") -> list[str]:
+    from jaxtex.models.files import TilingFile
+
     report, (width, height, sha256) = file.report, file.image
+    tiling = file if isinstance(file, TilingFile) else None
     lines = [
-        f"{path}: a tiling in {file.tiling.bond} bond",
+        f"{path}: {'wood' if tiling is None else f'a tiling in {tiling.tiling.bond} bond'}",
         f"photograph: {width} x {height} pixels, sha256 {sha256[:16]}...",
         ": ".join(part for part in ("fit", "ok" if report["ok"] else "not ok", report["reason"]) if part),
     ]
     if report["iou"] is not None:
-        lines.append(f"overlap of its joints with those seen: {100 * report['iou']:.1f} %")
-    if file.appearance is not None:
-        plain = {name: _show(value) for name, value in file.appearance.items() if not isinstance(value, list)}
-        told = [
-            *(f"{name} {value}" for name, value in plain.items()),
-            f"{len(file.appearance.get('tiles', []))} courses",
-        ]
-        lines.append(f"appearance (to be edited in the file): {', '.join(told)}")
+        compared = "early wood with that" if tiling is None else "joints with those"
+        lines.append(f"overlap of its {compared} seen: {100 * report['iou']:.1f} %")
+    if tiling is not None:
+        lines += _appearance_lines(tiling)
     if file.seed is not None:
         lines.append(f"seed: {file.seed}")
     if file.versions:
@@ -64,14 +61,22 @@ def _headlines(path: Path, file: "TilingFile") -> list[str]:
     return lines
 
 
-def _parameter_table(file: "TilingFile", *, meaning: bool) -> Any:
+def _appearance_lines(file: "TilingFile") -> list[str]:
+    if file.appearance is None:
+        return []
+    plain = {name: _show(value) for name, value in file.appearance.items() if not isinstance(value, list)}
+    told = [*(f"{name} {value}" for name, value in plain.items()), f"{len(file.appearance.get('tiles', []))} courses"]
+    return [f"appearance (to be edited in the file): {', '.join(told)}"]
+
+
+def _parameter_table(file: "ModelFile", *, meaning: bool) -> Any:
     from rich.table import Table
 
-    from jaxtex.models.files import tiling_parameters, tiling_schema
+    from jaxtex.models.files import TilingFile
 
-    described = tiling_schema()["$defs"]["parameters"]["properties"]
-    values = tiling_parameters(file.tiling, rows=file.rows, columns=file.columns, mm_per_px=file.mm_per_px)
+    values, described = _tiling_parameters(file) if isinstance(file, TilingFile) else _wood_parameters(file)
     errors, start = file.report["standard_errors"], file.report["start"] or {}
+    determined = {} if isinstance(file, TilingFile) else file.determined
     table = Table("parameter", "value", "±", "start", box=None, pad_edge=False)
     for column in table.columns:
         column.no_wrap = True
@@ -80,8 +85,24 @@ def _parameter_table(file: "TilingFile", *, meaning: bool) -> Any:
     for name, value in values.items():
         started = _show(start.get(name))
         told = [described[name]["title"]] if meaning else []
-        table.add_row(name, _show(value), _show(errors.get(name), digits=2), started, *told)
+        error = _show(errors.get(name), digits=2) if determined.get(name, True) else _ASSUMED
+        table.add_row(name, _show(value), error, started, *told)
     return table
+
+
+def _tiling_parameters(file: "TilingFile") -> tuple[dict[str, Any], dict[str, Any]]:
+    """Values, and what the schema says about them."""
+    from jaxtex.models.files import tiling_parameters, tiling_schema
+
+    values = tiling_parameters(file.tiling, rows=file.rows, columns=file.columns, mm_per_px=file.mm_per_px)
+    return values, tiling_schema()["$defs"]["parameters"]["properties"]
+
+
+def _wood_parameters(file: "WoodFile") -> tuple[dict[str, Any], dict[str, Any]]:
+    """Likewise."""
+    from jaxtex.models.wood_files import wood_parameters, wood_schema
+
+    return wood_parameters(file.wood), wood_schema()["$defs"]["parameters"]["properties"]
 
 
 def _show(value: Any, digits: int = 6) -> str:

@@ -19,8 +19,9 @@ from jaxtex.io.files import prepare_folder
 from jaxtex.io.images import Image, write_image
 from jaxtex.io.masks import write_mask
 from jaxtex.material.appearance import Appearance, appearance_of
+from jaxtex.material.bands import count_bands
 from jaxtex.material.export import write_maps
-from jaxtex.material.maps import count_bands, render_maps
+from jaxtex.material.maps import render_maps
 from jaxtex.material.measure import measure_appearance
 from jaxtex.material.overlay import draw_overlay
 from jaxtex.material.report import write_report

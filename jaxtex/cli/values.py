@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from jaxtex.core.errors import InputError
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
+_COUNT = r"0*([1-9]\d{0,8})"
 
 
 def parse_point(option: str, word: str) -> tuple[float, float]:
@@ -42,7 +43,7 @@ def parse_size(option: str, word: str) -> tuple[int, int]:
         >>> parse_size("--size", "1024x768")
         (1024, 768)
     """
-    match = re.fullmatch(r"\s*0*([1-9]\d{0,8})\s*[x×]\s*0*([1-9]\d{0,8})\s*", word, re.IGNORECASE)
+    match = re.fullmatch(rf"\s*{_COUNT}\s*[x×]\s*{_COUNT}\s*", word, re.IGNORECASE)
     if not match:
         raise InputError(f"{option}: '{word}' is no size; write WIDTHxHEIGHT in pixels, as in 1024x768")
     return int(match[1]), int(match[2])
@@ -66,6 +67,26 @@ def parse_tiles(option: str, word: str) -> tuple[int, int]:
         return parse_size(option, word)
     except InputError:
         raise InputError(f"{option}: '{word}' is no number of tiles; write COLUMNSxROWS, as in 12x20") from None
+
+
+def parse_block(option: str, word: str) -> tuple[int, int, int]:
+    """Read "DxHxW" in voxels as (depth, height, width).
+
+    Args:
+        option: the option's name, for the complaint.
+        word: what the user typed.
+
+    Raises:
+        InputError: it is not three whole numbers of 1 or more with an x between.
+
+    Examples:
+        >>> parse_block("--block", "64x128x256")
+        (64, 128, 256)
+    """
+    match = re.fullmatch(rf"\s*{_COUNT}\s*[x×]\s*{_COUNT}\s*[x×]\s*{_COUNT}\s*", word, re.IGNORECASE)
+    if not match:
+        raise InputError(f"{option}: '{word}' is no block; write DEPTHxHEIGHTxWIDTH in voxels, as in 256x256x256")
+    return int(match[1]), int(match[2]), int(match[3])
 
 
 def parse_colour(option: str, word: str) -> tuple[float, float, float]:

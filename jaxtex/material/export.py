@@ -1,6 +1,6 @@
 """Material maps as a folder of image files."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
@@ -13,24 +13,27 @@ from jaxtex.material.maps import Maps
 
 class _MapFile(NamedTuple):
     name: str
+    field: str  # of the maps
     channels: int
     colour_space: ColourSpace
-    pixels: Callable[[Maps], np.ndarray]
+    encode: Callable[[np.ndarray], np.ndarray] = np.asarray
 
 
 _FILES = (
-    _MapFile("basecolor.png", 3, "srgb", lambda maps: maps.base_colour),
-    _MapFile("height.exr", 1, "data", lambda maps: maps.height),
-    _MapFile("normal.png", 3, "data", lambda maps: np.clip(0.5 * maps.normal + 0.5, 0, 1)),
-    _MapFile("roughness.png", 1, "data", lambda maps: maps.roughness),
-    _MapFile("tile_id.exr", 1, "data", lambda maps: maps.tile_id),
+    _MapFile("basecolor.png", "base_colour", 3, "srgb"),
+    _MapFile("height.exr", "height", 1, "data"),
+    _MapFile("normal.png", "normal", 3, "data", lambda normal: np.clip(0.5 * normal + 0.5, 0, 1)),
+    _MapFile("roughness.png", "roughness", 1, "data"),
+    _MapFile("tile_id.exr", "tile_id", 1, "data"),
 )
 
 MAP_NAMES = tuple(file.name for file in _FILES)
-"""The files that `write_maps` makes."""
+"""The files that `write_maps` makes of `Maps`."""
 
 
-def write_maps(folder: Path | str, bands: Iterable[Maps], *, size: tuple[int, int]) -> list[Path]:
+def write_maps(
+    folder: Path | str, bands: Iterable[NamedTuple], *, size: tuple[int, int], fields: Sequence[str] = Maps._fields
+) -> list[Path]:
     """Write maps as they are rendered: base colour as sRGB, everything else as data.
 
     Height and ids are floats (EXR); colour, normals and roughness are 8-bit PNG, normals as 0.5 n + 0.5. The files
@@ -38,8 +41,9 @@ def write_maps(folder: Path | str, bands: Iterable[Maps], *, size: tuple[int, in
 
     Args:
         folder: an existing folder.
-        bands: rows from the top, as `render_maps` gives them.
+        bands: rows from the top, as `render_maps` and `render_wood` give them.
         size: (width, height) of the maps in pixels.
+        fields: names of those to write, of `Maps` or `WoodMaps`.
 
     Returns:
         The files.
@@ -47,15 +51,16 @@ def write_maps(folder: Path | str, bands: Iterable[Maps], *, size: tuple[int, in
     Raises:
         InputError: a file cannot be written.
     """
-    paths = [Path(folder) / file.name for file in _FILES]
+    files = [file for file in _FILES if file.field in fields]
+    paths = [Path(folder) / file.name for file in files]
     with ExitStack() as open_files:
         writers = [
             open_files.enter_context(
                 writing_image(path, size=size, channels=file.channels, colour_space=file.colour_space)
             )
-            for path, file in zip(paths, _FILES, strict=True)
+            for path, file in zip(paths, files, strict=True)
         ]
         for maps in bands:
-            for write_rows, file in zip(writers, _FILES, strict=True):
-                write_rows(file.pixels(maps))
+            for write_rows, file in zip(writers, files, strict=True):
+                write_rows(file.encode(getattr(maps, file.field)))
     return paths

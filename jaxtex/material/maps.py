@@ -16,17 +16,14 @@ from jax import Array
 
 from jaxtex.core.errors import InputError
 from jaxtex.material.appearance import Appearance, pad_table
+from jaxtex.material.bands import LONGEST_SIDE as LONGEST_SIDE
+from jaxtex.material.bands import check_sides, evaluate_points, in_bands, normals_of
 from jaxtex.material.sheet import Sheet
 from jaxtex.models.tiling import Tiling
-
-LONGEST_SIDE = 65_536
-"""Larger maps are refused; files of them could hardly be opened."""
 
 MOST_TILES = 4_000_000
 """More are refused; the ids of up to 16 million would be exact."""
 
-# Rows and columns evaluated at a time: one shape for all sizes of maps, so that what is compiled once serves them all.
-_BLOCK = (128, 1024)
 _FEWEST = 4  # pixels across the narrowest tile
 
 
@@ -75,17 +72,8 @@ def render_maps(sheet: Sheet, appearance: Appearance, *, size: tuple[int, int], 
     return _render_bands(sheet, appearance, size, key)
 
 
-def count_bands(size: tuple[int, int]) -> int:
-    """How many bands `render_maps` makes of a size."""
-    return -(-size[1] // _BLOCK[0])
-
-
 def _check_size(sheet: Sheet, size: tuple[int, int]) -> None:
-    told = f"size {size[0]} x {size[1]}"
-    if min(size) < 1:
-        raise InputError(f"{told}: holds no pixels; give at least 1 x 1")
-    if max(size) > LONGEST_SIDE:
-        raise InputError(f"{told}: is too large; at most {LONGEST_SIDE} pixels to a side can be made")
+    check_sides(size)
     shortest = float(np.min(sheet.tiling.course_lengths))
     if sheet.along / shortest * sheet.rows > MOST_TILES:
         raise InputError(f"{sheet.columns:g} x {sheet.rows} tiles: are too many; at most {MOST_TILES:,} can be made")
@@ -93,25 +81,15 @@ def _check_size(sheet: Sheet, size: tuple[int, int]) -> None:
     along = size[1] / sheet.rows
     if min(across, along) < _FEWEST:
         raise InputError(
-            f"{told}: is too small for {sheet.columns:g} x {sheet.rows} tiles, as it leaves {min(across, along):.2g} "
-            f"pixels to a tile; give at least {_FEWEST}, or fewer tiles"
+            f"size {size[0]} x {size[1]}: is too small for {sheet.columns:g} x {sheet.rows} tiles, as it leaves "
+            f"{min(across, along):.2g} pixels to a tile; give at least {_FEWEST}, or fewer tiles"
         )
 
 
 def _render_bands(sheet: Sheet, appearance: Appearance, size: tuple[int, int], key: Array) -> Iterator[Maps]:
     material = _make_material(sheet, appearance, size, key)
-    x = _pixel_centres(sheet.corner[0], sheet.width, size[0], _BLOCK[1])
-    y = _pixel_centres(sheet.corner[1], sheet.height, size[1], _BLOCK[0])
-    for row, down in enumerate(y):
-        blocks = [_render_grid(material, jnp.asarray(across), jnp.asarray(down)) for across in x]
-        rows = min(_BLOCK[0], size[1] - row * _BLOCK[0])
-        yield Maps(*(np.concatenate(part, axis=1)[:rows, : size[0]] for part in zip(*blocks, strict=True)))
-
-
-def _pixel_centres(start: float, length: float, pixels: int, block: int) -> npt.NDArray[np.float32]:
-    """Where pixels have their centres, [block, pixel]; the last block is filled up with places beyond the sheet."""
-    centres = start + (np.arange(-(-pixels // block) * block) + 0.5) * (length / pixels)
-    return centres.astype(np.float32).reshape(-1, block)
+    extent = sheet.width, sheet.height
+    return in_bands(lambda x, y: _render_grid(material, x, y), corner=sheet.corner, extent=extent, size=size)
 
 
 class _Material(eqx.Module):
@@ -154,28 +132,15 @@ def _make_material(sheet: Sheet, appearance: Appearance, size: tuple[int, int], 
 def _render_grid(material: _Material, x: Array, y: Array) -> Maps:
     # One kernel for each: a map of one value per pixel is compiled into a single loop, all of them together are not,
     # and take five times as long.
-    slope_x, slope_y = (_evaluate(function, material, x, y) for function in (_slope_x, _slope_y))
+    slope_x, slope_y = (evaluate_points(function, material, x, y) for function in (_slope_x, _slope_y))
     maps = (
-        _evaluate(_base_colour, material, x, y),
-        _evaluate(_height, material, x, y),
-        _normals(slope_x, slope_y),
-        _evaluate(_roughness, material, x, y),
-        _evaluate(_tile_id, material, x, y),
+        evaluate_points(_base_colour, material, x, y),
+        evaluate_points(_height, material, x, y),
+        normals_of(slope_x, slope_y),
+        evaluate_points(_roughness, material, x, y),
+        evaluate_points(_tile_id, material, x, y),
     )
     return Maps(*map(np.asarray, maps))
-
-
-@eqx.filter_jit
-def _evaluate(function: Callable[[_Material, Array], Array], material: _Material, x: Array, y: Array) -> Array:
-    """A function of one lattice point at all points of a grid, [row, col, ...]."""
-    return jax.vmap(lambda at: jax.vmap(lambda across: function(material, jnp.stack([across, at])))(x))(y)
-
-
-@jax.jit
-def _normals(slope_x: Array, slope_y: Array) -> Array:
-    # y of the sheet points down, of the normal up.
-    upward = jnp.stack([-slope_x, slope_y, jnp.ones_like(slope_x)], axis=-1)
-    return upward / jnp.sqrt(1.0 + slope_x**2 + slope_y**2)[..., None]
 
 
 def _base_colour(material: _Material, q: Array) -> Array:

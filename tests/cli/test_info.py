@@ -69,6 +69,34 @@ def test_a_model_that_was_not_fitted(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "overlap" not in shown
 
 
+def test_wood_stands_with_what_the_photograph_tells(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from jaxtex.models.files import SourceImage, save_model
+    from jaxtex.models.wood import make_wood
+    from jaxtex.models.wood_files import WoodFile, wood_parameters
+
+    oak = make_wood(ring_spacing=20.5, center=(31.0, -4.0), tilt=0.5)
+    start = wood_parameters(make_wood(ring_spacing=21.0))
+    errors = {"ring_spacing": 0.0123, "center": [0.25, None], "tilt_deg": 9.0}
+    report = {"ok": True, "reason": "rings", "iou": 0.75, "start": start, "standard_errors": errors}
+    determined = {"ring_spacing": True, "tilt_deg": False}
+    save_model(tmp_path / "oak.json", WoodFile(oak, SourceImage(640, 480, "ab" * 32), determined, report, seed=2))
+    assert main(["info", str(tmp_path / "oak.json")]) == 0
+    shown = capsys.readouterr().out
+    lines = shown.splitlines()
+    assert lines[:5] == [
+        f"{tmp_path / 'oak.json'}: wood",
+        "photograph: 640 x 480 pixels, sha256 abababababababab...",
+        "fit: ok: rings",
+        "overlap of its early wood with that seen: 75.0 %",
+        "seed: 2",
+    ]
+    rows = {line.split()[0]: line.split() for line in lines if line.strip()}
+    assert rows["ring_spacing"][1:4] == ["20.5", "0.012", "21"]
+    assert rows["center"][1:7] == ["31", "-4", "0.25", "-", "0", "0"]
+    assert rows["tilt_deg"][1:5] == ["28.6479", "not", "seen", "0"]
+    assert "From ring to ring" in shown
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [

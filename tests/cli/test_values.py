@@ -2,7 +2,7 @@
 
 import pytest
 
-from jaxtex.cli.values import check_seed, parse_assignments, parse_colour, parse_point, parse_size
+from jaxtex.cli.values import check_seed, parse_assignments, parse_block, parse_colour, parse_point, parse_size
 from jaxtex.core.errors import InputError
 
 
@@ -28,6 +28,17 @@ def test_sizes(word: str, size: tuple[int, int]) -> None:
 def test_no_sizes(word: str) -> None:
     with pytest.raises(InputError, match=f"--size: '{word}' is no size; write WIDTHxHEIGHT"):
         parse_size("--size", word)
+
+
+@pytest.mark.parametrize("word", ["64x128x256", " 064X128×256 "])
+def test_blocks(word: str) -> None:
+    assert parse_block("--block", word) == (64, 128, 256)
+
+
+@pytest.mark.parametrize("word", ["", "64", "64x64", "64x64x0", "1x2x3x4", "-1x2x3"])
+def test_no_blocks(word: str) -> None:
+    with pytest.raises(InputError, match=f"--block: '{word}' is no block; write DEPTHxHEIGHTxWIDTH"):
+        parse_block("--block", word)
 
 
 @pytest.mark.parametrize("word", ["#FF0033", "ff0033", "#f03", "F03"])

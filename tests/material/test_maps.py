@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 
 from jaxtex.core.errors import InputError
-from jaxtex.material import maps as module
+from jaxtex.material import bands as module
 from jaxtex.material.appearance import Appearance
-from jaxtex.material.maps import Maps, count_bands, render_maps
+from jaxtex.material.bands import count_bands
+from jaxtex.material.maps import Maps, render_maps
 from jaxtex.material.sheet import lay_sheet
 from jaxtex.models.tiling import make_tiling
 

@@ -1,0 +1,237 @@
+"""Wood as a material: maps of a plank, blocks of voxels, and anything carved of it.
+
+The solid's points are (x, y, z) in pixels of the photograph, from its middle: x right, y down, z into the plank.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+from jax import Array
+
+from jaxtex.core.errors import InputError
+from jaxtex.io.meshes import Mesh
+from jaxtex.material.bands import check_sides, evaluate_points, in_bands, normals_of
+from jaxtex.models.wood import Wood
+
+MOST_VOXELS = 1 << 30
+"""Larger blocks are refused: this many are a file of 12 GiB."""
+
+_CHUNK = 1 << 16  # points evaluated at a time: one shape for all blocks and meshes
+_SPOT = 0.5  # standard deviation of what a pixel sees, in pixels
+_RELIEF = 0.02  # of the ring spacing: how high late wood stands
+_ROUNDING = 0.06  # likewise: how soft its edges are
+_ROUGHNESS = 0.65, 0.5  # of early and late wood
+
+
+class WoodMaps(NamedTuple):
+    """Some rows of the maps of a plank.
+
+    Attributes:
+        base_colour: linear light, [row, col, 3].
+        height: in pixels of the photograph above early wood, [row, col].
+        normal: unit vectors, [row, col, 3]: x right, y up, z out of the plank (OpenGL's).
+        roughness: 0 to 1, [row, col].
+    """
+
+    base_colour: npt.NDArray[np.float32]
+    height: npt.NDArray[np.float32]
+    normal: npt.NDArray[np.float32]
+    roughness: npt.NDArray[np.float32]
+
+
+def render_wood(wood: Wood, *, across: float, size: tuple[int, int]) -> Iterator[WoodMaps]:
+    """Render the maps of a plank, some rows at a time from top to bottom.
+
+    Pixels are square. The middle of the maps is that of the photograph; maps that are longer than it show more wood.
+    Late wood, the harder, stands higher by 2 % of the ring spacing and shines a little more, as on a brushed plank;
+    neither can be seen on a photograph, so both are chosen. Memory is that of a band of 128 rows, whatever the size.
+
+    Args:
+        wood: the model.
+        across: pixels of the photograph that the maps' width covers; the photograph's width as a rule.
+        size: (width, height) of the maps in pixels.
+
+    Raises:
+        InputError: a size without pixels, or too large.
+
+    Examples:
+        >>> from jaxtex.models.wood import make_wood
+        >>> bands = list(render_wood(make_wood(ring_spacing=20.0), across=100.0, size=(200, 150)))
+        >>> [band.base_colour.shape for band in bands]
+        [(128, 200, 3), (22, 200, 3)]
+    """
+    check_sides(size)
+    scale = across / size[0]
+    plank = _Plank(_in_single(wood), jnp.asarray(_SPOT * scale, jnp.float32))
+    extent = across, size[1] * scale
+    corner = -0.5 * extent[0], -0.5 * extent[1]
+    return in_bands(lambda x, y: _render_grid(plank, x, y), corner=corner, extent=extent, size=size)
+
+
+def render_points(wood: Wood, points: npt.NDArray[np.floating], *, spot: float = _SPOT) -> npt.NDArray[np.float32]:
+    """Colours of points of the solid.
+
+    Args:
+        wood: the model.
+        points: [point, 3].
+        spot: standard deviation of the Gaussian that the colour is averaged over, in pixels of the photograph.
+
+    Returns:
+        [point, 3], linear light.
+
+    Examples:
+        >>> from jaxtex.models.wood import make_wood
+        >>> pale = make_wood(ring_spacing=20.0, early_rgb=(0.6, 0.4, 0.2))
+        >>> render_points(pale, np.array([[45.0, 0.0, 0.0]])).round(2).tolist()[0][0]
+        0.6000000238418579
+    """
+    single, blur = _in_single(wood), jnp.asarray(spot, jnp.float32)
+    colours = np.empty((len(points), 3), np.float32)
+    for first in range(0, len(points), _CHUNK):
+        chunk = np.zeros((_CHUNK, 3), np.float32)
+        count = min(_CHUNK, len(points) - first)
+        chunk[:count] = points[first : first + count]
+        colours[first : first + count] = _colours(single, jnp.asarray(chunk), blur)[:count]
+    return colours
+
+
+def render_block(wood: Wood, *, shape: tuple[int, int, int]) -> Iterator[npt.NDArray[np.float32]]:
+    """Render a block of voxels, some at a time; a voxel is as large as a pixel of the photograph.
+
+    The first slice is the photographed face, about the photograph's middle; the others lie below it. Memory is that of
+    65 536 voxels, whatever the block.
+
+    Args:
+        wood: the model.
+        shape: (depth, height, width) in voxels.
+
+    Returns:
+        Parts [voxel, 3], linear light: row by row, slice by slice.
+
+    Raises:
+        InputError: a shape without voxels, or more than `MOST_VOXELS`.
+
+    Examples:
+        >>> from jaxtex.models.wood import make_wood
+        >>> parts = render_block(make_wood(ring_spacing=8.0), shape=(2, 4, 6))
+        >>> np.concatenate(list(parts)).reshape(2, 4, 6, 3).shape
+        (2, 4, 6, 3)
+    """
+    depth, height, width = shape
+    told = f"block {depth} x {height} x {width}"
+    if min(shape) < 1:
+        raise InputError(f"{told}: holds no voxels; give at least 1 x 1 x 1")
+    if depth * height * width > MOST_VOXELS:
+        raise InputError(f"{told}: is too large; at most {MOST_VOXELS:,} voxels can be made")
+    single, count = _in_single(wood), depth * height * width
+    firsts = range(0, count, _CHUNK)
+    return (render_points(single, _voxel_centres(shape, first, min(first + _CHUNK, count))) for first in firsts)
+
+
+def count_parts(shape: tuple[int, int, int]) -> int:
+    """How many parts `render_block` makes of a block."""
+    return -(-math.prod(shape) // _CHUNK)
+
+
+def place_mesh(mesh: Mesh, *, image: tuple[int, int]) -> npt.NDArray[np.float64]:
+    """Where the vertices of a mesh lie in the wood, [vertex, 3].
+
+    The middle of the mesh's bounding box is put to the photograph's middle, and the box's longest side made as long as
+    the photograph's longer side. The mesh's axes are as most programs have them: x right, y up, z towards the viewer.
+
+    Args:
+        mesh: of any size.
+        image: (width, height) of the photograph.
+
+    Raises:
+        InputError: all vertices lie at one point.
+
+    Examples:
+        >>> place_mesh(Mesh(np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]])), image=(100, 60))
+        array([[-50.,  25.,   0.],
+               [ 50.,  25.,   0.],
+               [-50., -25.,   0.]])
+    """
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    longest = float((high - low).max())
+    if not longest > 0:
+        raise InputError("all vertices of the mesh lie at one point; give a mesh with an extent")
+    turned = (mesh.vertices - (low + high) / 2) * np.array([1.0, -1.0, -1.0])
+    return turned * (max(image) / longest) + 0.0
+
+
+def carve_mesh(wood: Wood, mesh: Mesh, *, image: tuple[int, int]) -> npt.NDArray[np.float32]:
+    """Colours of a mesh's vertices, [vertex, 3], linear light, as if it were carved of the wood.
+
+    A vertex sees a spot of half the mean edge length, so that rings finer than the mesh fade instead of flickering.
+
+    Args:
+        wood: the model.
+        mesh, image: as `place_mesh` takes them.
+
+    Raises:
+        InputError: as `place_mesh`.
+    """
+    points = place_mesh(mesh, image=image)
+    corners = points[mesh.faces]
+    edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).mean()
+    return render_points(wood, points, spot=max(_SPOT, 0.5 * float(edge)))
+
+
+class _Plank(eqx.Module):
+    wood: Wood
+    blur: Array  # of a map's pixel, in pixels of the photograph
+
+
+def _render_grid(plank: _Plank, x: Array, y: Array) -> WoodMaps:
+    early = evaluate_points(_early, plank, x, y)
+    height, slope = evaluate_points(_height_and_slope, plank, x, y)
+    maps = (
+        _mix(early[..., None], plank.wood.early_rgb[None, None], plank.wood.late_rgb[None, None]),
+        height,
+        normals_of(slope[..., 0], slope[..., 1]),
+        _mix(early, *_ROUGHNESS),
+    )
+    return WoodMaps(*map(np.asarray, maps))
+
+
+def _mix(early: Array, of_early: Array | float, of_late: Array | float) -> Array:
+    return of_late + early * (of_early - of_late)
+
+
+def _early(plank: _Plank, point: Array) -> Array:
+    return plank.wood.early_on_plank(point, blur=plank.blur)
+
+
+def _height_and_slope(plank: _Plank, point: Array) -> tuple[Array, Array]:
+    """Of the relief, at a point of the plank: late wood is raised, and its edges are round."""
+    spacing = plank.wood.ring_spacing
+    blur = jnp.sqrt(plank.blur**2 + (_ROUNDING * spacing) ** 2)
+    return jax.value_and_grad(lambda at: _RELIEF * spacing * (1.0 - plank.wood.early_on_plank(at, blur=blur)))(point)
+
+
+def _voxel_centres(shape: tuple[int, int, int], first: int, end: int) -> npt.NDArray[np.float32]:
+    """Where the voxels of a block with numbers from `first` to `end` lie in the solid, [voxel, 3]."""
+    z, y, x = np.unravel_index(np.arange(first, end), shape)
+    return np.stack([x + 0.5 - shape[2] / 2, y + 0.5 - shape[1] / 2, z], axis=-1).astype(np.float32)
+
+
+@eqx.filter_jit
+def _colours(wood: Wood, points: Array, blur: Array) -> Array:
+    return jax.vmap(lambda point: wood.colour(_to_trunk(wood, point), blur=blur))(points)
+
+
+def _to_trunk(wood: Wood, point: Array) -> Array:
+    """A point of the solid (3,) in the trunk: below the plank's face, at right angles to it."""
+    inwards = jnp.stack([jnp.zeros_like(wood.tilt), jnp.cos(wood.tilt), -jnp.sin(wood.tilt)])
+    return wood.to_trunk(point[:2]) + point[2] * inwards
+
+
+def _in_single(wood: Wood) -> Wood:
+    return jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), wood)

@@ -1,0 +1,77 @@
+"""Meshes and voxel blocks as files."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from jaxtex.core.colour import srgb_to_linear
+from jaxtex.core.errors import InputError
+from jaxtex.io.meshes import read_mesh, write_mesh
+from jaxtex.io.voxels import write_voxels
+
+
+@pytest.mark.parametrize("kind", ["ply", "obj", "stl", "off", "glb"])
+def test_meshes_of_many_kinds_are_read(tmp_path, kind):
+    trimesh.creation.box(extents=(3, 2, 1)).export(tmp_path / f"box.{kind}")
+    mesh = read_mesh(tmp_path / f"box.{kind}")
+    assert len(mesh.faces) == 12
+    np.testing.assert_allclose(np.ptp(mesh.vertices, axis=0), [3, 2, 1], atol=1e-6)
+
+
+def test_a_mesh_comes_back_with_its_colours(tmp_path):
+    trimesh.creation.icosphere(subdivisions=1).export(tmp_path / "ball.ply")
+    mesh = read_mesh(tmp_path / "ball.ply")
+    colours = np.random.default_rng(0).random((len(mesh.vertices), 3))
+    for name in ("one.ply", "other.ply"):
+        write_mesh(tmp_path / name, mesh, colours)
+    read = trimesh.load_mesh(tmp_path / "one.ply", process=False)
+    np.testing.assert_allclose(read.vertices, mesh.vertices, atol=1e-6)
+    assert np.array_equal(read.faces, mesh.faces)
+    np.testing.assert_allclose(srgb_to_linear(read.visual.vertex_colors[:, :3] / 255), colours, atol=6e-3)
+    assert (tmp_path / "one.ply").read_bytes() == (tmp_path / "other.ply").read_bytes()
+
+
+POINTS = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+BAD_MESHES = {
+    "missing.ply": (None, "there is no such file"),
+    "empty.ply": ("", "is empty"),
+    "text.ply": ("a shopping list", "is no mesh that can be read"),
+    "photo.xyzzy": ("a shopping list", "is no mesh that can be read"),
+    "points.ply": (POINTS + "0 0 0\n1 1 1\n", "is no mesh that can be read|holds no triangles"),
+    "nan.obj": ("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "has vertices that are not finite"),
+    "beyond.off": ("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "vertices that are not there|can be read"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_MESHES)
+def test_what_is_no_mesh_is_refused_in_one_line(tmp_path, name):
+    text, told = BAD_MESHES[name]
+    if text is not None:
+        (tmp_path / name).write_text(text)
+    with pytest.raises(InputError, match=told) as refusal:
+        read_mesh(tmp_path / name)
+    assert str(refusal.value).startswith(str(tmp_path / name))
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_block_comes_back_and_has_no_date(tmp_path):
+    voxels = np.random.default_rng(0).random((3, 4, 5, 3)).astype(np.float32)
+    flat = voxels.reshape(-1, 3)
+    write_voxels(tmp_path / "one.npz", [flat], shape=voxels.shape)
+    write_voxels(tmp_path / "other.npz", [flat[:7], flat[7:50], flat[50:]], shape=voxels.shape)
+    with np.load(tmp_path / "one.npz") as read:
+        assert read.files == ["voxels"]
+        assert read["voxels"].dtype == np.float32
+        assert np.array_equal(read["voxels"], voxels)
+    assert (tmp_path / "one.npz").read_bytes() == (tmp_path / "other.npz").read_bytes()
+
+
+def test_a_block_is_whole_or_not_there(tmp_path):
+    part = np.zeros((5, 3), np.float32)
+    with pytest.raises(ValueError, match="there are 5 of the 8 voxels"):
+        write_voxels(tmp_path / "block.npz", [part], shape=(2, 2, 2, 3))
+    with pytest.raises(ValueError, match="no part of a block"):
+        write_voxels(tmp_path / "block.npz", [part[:, :1]], shape=(2, 2, 2, 3))
+    with pytest.raises(InputError, match=r"name it \.npz"):
+        write_voxels(tmp_path / "block.raw", [part], shape=(5, 1, 1, 3))
+    assert not list(tmp_path.iterdir())
