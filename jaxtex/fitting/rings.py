@@ -1,0 +1,89 @@
+"""What a fit of wood is free to choose, and the rings that follow from it: the geometry in plain numbers.
+
+A vector ``free`` (6,) holds the axis (xc, yc), tilt, rotation, the logarithm of the ring spacing and the logit of the
+share of early wood. Only geometry: colours follow from the mask.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from numpy.typing import NDArray
+
+from jaxtex.models.wood import early_share
+
+NAMES = ("xc", "yc", "tilt", "rotation", "log_spacing", "logit_fraction")
+GEOMETRY = 5  # how many of them place the rings
+_PITH = 1e-3  # pixels: how far the pith is rounded, so that it has a gradient
+
+
+class Plank(NamedTuple):
+    """Points of a plank from its picture's middle: ``u`` (N,) to the right and ``v`` (N,) down, in pixels."""
+
+    u: Array
+    v: Array
+
+
+def lay_plank(height: int, width: int, step: int = 1) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """u and v (H / step, W / step) of every ``step``-th pixel."""
+    rows, columns = np.mgrid[step // 2 : height : step, step // 2 : width : step]
+    return columns + 0.5 - width / 2, rows + 0.5 - height / 2
+
+
+def ring_distance(free: Array, plank: Plank) -> tuple[Array, Array]:
+    """Distance (N,) of points from the axis, in pixels, and by how much of that a pixel on the plank differs from the
+    next (N,), 0 to 1."""
+    c, s = jnp.cos(free[3]), jnp.sin(free[3])
+    lean = jnp.sin(free[2])
+    aside = plank.u * c + plank.v * s - free[0]
+    depth = lean * (plank.v * c - plank.u * s) - free[1]
+    distance = jnp.sqrt(aside**2 + depth**2 + _PITH**2)
+    slope = jnp.sqrt((aside / distance) ** 2 + (lean * depth / distance) ** 2 + _PITH)
+    return distance, slope
+
+
+def ring_count(free: Array, plank: Plank) -> Array:
+    """Rings (N,) between the axis and each point."""
+    return ring_distance(free, plank)[0] * jnp.exp(-free[4])
+
+
+def early_wood(free: Array, plank: Plank, displacement: Array, blur: Array) -> Array:
+    """Share (N,) of early wood in a Gaussian spot of ``blur`` pixels, rings being displaced outwards by (N,) pixels."""
+    distance, slope = ring_distance(free, plank)
+    spacing = jnp.exp(free[4])
+    return early_share((distance + displacement) / spacing, jax.nn.sigmoid(free[5]), blur * slope / spacing)
+
+
+def wave_squares(free: Array, plank: Plank) -> Array:
+    """(N, 3): the local wave vector's outer product with itself, as difference, cross term and sum."""
+    c, s = jnp.cos(free[3]), jnp.sin(free[3])
+    lean = jnp.sin(free[2])
+    aside = plank.u * c + plank.v * s - free[0]
+    depth = lean * (plank.v * c - plank.u * s) - free[1]
+    # Near the pith no piece of the picture has one wave; the ring itself bounds how sharply it may turn.
+    spacing = jnp.exp(free[4])
+    reach = jnp.sqrt(aside**2 + depth**2 + 1e-2 * spacing**2) * spacing
+    across, along = aside / reach, lean * depth / reach
+    return square_waves(jnp.stack([across * c - along * s, across * s + along * c], axis=1))
+
+
+def square_waves(wave: Array) -> Array:
+    """Of wave vectors (N, 2): what stays the same when their sense is turned (N, 3)."""
+    x, y = wave[:, 0], wave[:, 1]
+    return jnp.stack([x * x - y * y, 2 * x * y, x * x + y * y], axis=1)
+
+
+def canonical_rings(free: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The one of the descriptions of the same picture whose tilt is in [0, pi/2] and rotation in [0, pi)."""
+    xc, yc, tilt, rotation, *rest = (float(value) for value in free)
+    tilt = (tilt + np.pi) % (2 * np.pi) - np.pi
+    if tilt < 0:
+        tilt, yc = -tilt, -yc
+    tilt = min(tilt, np.pi - tilt)
+    turns = np.floor(rotation / np.pi)
+    rotation -= np.pi * turns
+    if turns % 2:
+        xc, yc = -xc, -yc
+    return np.array([xc, yc, tilt, rotation, *rest])

@@ -1,0 +1,95 @@
+"""Least squares of the rendered soft mask of early wood against the observed one, coarse to fine."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optimistix as optx
+from jax import Array
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from jaxtex.fitting.rings import NAMES, Plank, early_wood, lay_plank
+
+Floats = NDArray[np.float64]
+
+_PIXEL = np.sqrt(1 / 12)  # a pixel's own blur
+_FAR = 0.6  # share of the mask's variance left, above which a coarse fit has the wrong rings and is not carried on
+
+_SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-6, atol=1e-6)
+
+
+class Problem(NamedTuple):
+    """``free`` (6,), where it starts; ``scale`` (6,), what moves a ring by about a pixel; ``plank``, the points;
+    ``early`` (N,), how much of each is early wood, blurred by ``blur`` pixels; ``displacement`` (N,) of the rings."""
+
+    free: Array
+    scale: Array
+    plank: Plank
+    early: Array
+    displacement: Array
+    blur: Array
+
+
+class Rings(NamedTuple):
+    """``free`` (6,); its ``covariance`` (6, 6); ``unexplained``: share of the mask's variance that is left."""
+
+    free: Floats
+    covariance: Floats
+    unexplained: float
+
+
+def fit_mask(early: Floats, free: Floats, displacement: Floats | None = None) -> Rings:
+    """Carry a vector (6,) on to the mask of early wood (H, W), rings being displaced outwards by (H, W) pixels."""
+    displacement = np.zeros_like(early) if displacement is None else displacement
+    spacing = float(np.exp(free[4]))
+    rings = Rings(free, np.zeros((len(NAMES),) * 2), 1.0)
+    for blur, step in ((max(0.12 * spacing, 1.5), 4), (1.5, 2), (0.5, 2), (0.0, 1)):
+        rings = _solve_level(early, rings.free, displacement, blur=blur, step=step)
+        if not np.isfinite(rings.free).all() or rings.unexplained > _FAR:
+            break
+    return rings
+
+
+def _solve_level(early: Floats, free: Floats, displacement: Floats, *, blur: float, step: int) -> Rings:
+    height, width = early.shape
+    smooth = ndimage.gaussian_filter(early, blur, mode="nearest") if blur else early
+    near = slice(step // 2, None, step)
+    seen = smooth[near, near].ravel()
+    size = 2 / max(height, width)
+    with jax.enable_x64():
+        problem = Problem(
+            free=jnp.asarray(free),
+            scale=jnp.asarray([1.0, 1.0, size, size, size, 0.05]),
+            plank=Plank(*(jnp.asarray(each.ravel()) for each in lay_plank(height, width, step))),
+            early=jnp.asarray(seen),
+            displacement=jnp.asarray(displacement[near, near].ravel()),
+            blur=jnp.asarray(np.hypot(blur, _PIXEL)),
+        )
+        found, cost, curvature = jax.device_get(_solve(problem))
+    mean_square = float(cost) / len(seen)
+    # Blur ties neighbouring pixels: only so many are independent.
+    together = max(4 * np.pi * blur**2 / step**2, 1.0)
+    covariance = np.linalg.pinv(np.asarray(curvature), hermitian=True) * mean_square * together
+    scale = np.asarray(problem.scale)
+    return Rings(
+        free=np.asarray(found),
+        covariance=covariance * np.outer(scale, scale),
+        unexplained=mean_square / max(float(seen.var()), 1e-12),
+    )
+
+
+@jax.jit
+def _solve(problem: Problem) -> tuple[Array, Array, Array]:
+    """The vector (6,) found, its sum of squares, and the curvature (6, 6) there by scaled steps."""
+    start = jnp.zeros_like(problem.free)
+    answer: optx.Solution = optx.least_squares(_residuals, _SOLVER, start, problem, max_steps=40, throw=False)
+    residuals = _residuals(answer.value, problem)
+    rows = jax.jacfwd(_residuals)(answer.value, problem)
+    return problem.free + answer.value * problem.scale, jnp.sum(residuals**2), rows.T @ rows
+
+
+def _residuals(step: Array, problem: Problem) -> Array:
+    free = problem.free + step * problem.scale
+    return early_wood(free, problem.plank, problem.displacement, problem.blur) - problem.early

@@ -1,0 +1,151 @@
+"""Where the rings of a plank may have their axis: the starts of a fit.
+
+Two ways, one after the other. Local waves tell spacing, rotation, tilt and axis at once, as long as rings bend: their
+outer products are smooth in all parameters, with none of the false minima that counting rings has. Where rings run
+straight on both sides of the pith they do not tell on which side it lies; then all places in the picture are tried.
+"""
+
+from collections.abc import Iterator
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optimistix as optx
+from jax import Array
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from jaxtex.fitting.rings import GEOMETRY, Plank, canonical_rings, lay_plank, ring_count, square_waves, wave_squares
+from jaxtex.photo.grain import FINEST, LocalWaves, find_period, measure_waves
+
+Floats = NDArray[np.float64]
+
+_LEANS = (0.03, 0.15, 0.5, 0.93)  # sines of the tilt that fits begin at
+_AXES = (-1.05, -0.35, 0.0, 0.35, 1.05)  # places of the axis across the grain, in picture widths
+_MIDDLES = (-1.0, -0.35, 0.02, 0.35, 1.0)  # and of the ellipses' middle along it, in picture heights
+_MOST = 3  # starts of each kind
+_WORTH = 4.0  # times the least cost, and 1 more: starts that end higher are not worth following
+_OUTLIER = 0.3  # of the squared frequency: pieces that differ by more count less and less
+_APART = np.array([50.0, 50.0, 0.17, 0.17, 0.1])  # starts that differ by less end alike
+_PITH_LEANS = (0.02, 0.06, 0.15, 0.3, 0.5, 0.75)
+_BLOCKS = 8  # parts of the picture along a side, each coherent by itself
+
+_SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-5, atol=1e-5)
+
+
+def list_starts(rings: Floats) -> Iterator[list[Floats]]:
+    """Batches of starts, each a vector of `GEOMETRY` numbers, for a map of rings (H, W) of zero mean, best first."""
+    period = find_period(rings)
+    for finer in (1, 2):
+        waves = measure_waves(rings, period, finer=finer)
+        if len(waves.weight) < GEOMETRY:
+            continue
+        starts = read_waves(waves, rings.shape)
+        if starts:
+            yield starts
+            yield scan_for_pith(rings, starts[0])
+
+
+def read_waves(waves: LocalWaves, shape: tuple[int, ...]) -> list[Floats]:
+    """Starts whose local waves are those measured in a picture of ``shape`` (H, W)."""
+    height, width = shape
+    length = np.hypot(*waves.wave.T)
+    sure = waves.weight >= 0.5 * waves.weight.max()
+    across = _main_direction(waves)
+    spacing = np.log(1 / np.quantile(length[sure], 0.8))
+    begin = [
+        [axis * width, lean * middle * height, np.arcsin(lean), across + turn, spacing]
+        for turn in (0.0, np.pi / 2)
+        for lean in _LEANS
+        for axis in _AXES
+        for middle in _MIDDLES
+    ]
+    scale = np.array([width, height * 0.5, 0.3, 0.3, 0.3])
+    with jax.enable_x64():
+        plank = Plank(*(jnp.asarray(each) for each in waves.place.T))
+        unit = float(np.median(length[sure])) ** -2
+        seen = jnp.asarray(square_waves(jnp.asarray(waves.wave))) * unit
+        ends, costs = jax.device_get(
+            _solve_waves(jnp.asarray(begin), jnp.asarray(scale), plank, seen, jnp.asarray(waves.weight), unit)
+        )
+    order = np.argsort(np.where(np.isfinite(costs), costs, np.inf))
+    best = costs[order[0]]
+    # Rings finer than pixels tell, or wider than the picture, are the way out of fits that find none.
+    spaced = (np.log(FINEST) <= ends[:, 4]) & (ends[:, 4] <= np.log(max(shape)))
+    return _differing(canonical_rings(ends[n]) for n in order if costs[n] <= _WORTH * best + 1.0 and spaced[n])
+
+
+def scan_for_pith(rings: Floats, start: Floats) -> list[Floats]:
+    """Starts with the axis inside the picture (H, W), rotation and spacing being those of a ``start``."""
+    height, width = rings.shape
+    spacing = float(np.exp(start[4]))
+    step = max(1, int(spacing / 6))
+    smooth = ndimage.gaussian_filter(rings, step / 2)[step // 2 :: step, step // 2 :: step]
+    u, v = lay_plank(height, width, step)
+    rows, columns = (_BLOCKS * n // whole for n, whole in zip(np.indices(smooth.shape), smooth.shape, strict=True))
+    reach = float(np.hypot(height, width)) / 2
+    places = [
+        [axis, lean * middle, np.arcsin(lean), start[3], start[4]]
+        for lean in _PITH_LEANS
+        for middle in np.linspace(-reach, reach, 9)
+        for axis in np.arange(-reach, reach, spacing / 3)
+    ]
+    # Their number depends on the spacing; few lengths share few compilations.
+    places += places[:1] * (-len(places) % 2048)
+    with jax.enable_x64():
+        plank = Plank(jnp.asarray(u.ravel()), jnp.asarray(v.ravel()))
+        parts = jnp.asarray((_BLOCKS * rows + columns).ravel())
+        scores = jax.device_get(_score_places(jnp.asarray(places), plank, jnp.asarray(smooth.ravel()), parts))
+    return _differing(canonical_rings(np.array(places[n])) for n in np.argsort(-scores))
+
+
+@jax.jit
+def _solve_waves(
+    starts: Array, scale: Array, plank: Plank, seen: Array, weight: Array, unit: Array
+) -> tuple[Array, Array]:
+    """Where each of the starts (S, 5) ends (S, 5), and at what cost (S,)."""
+
+    def solve(start: Array) -> tuple[Array, Array]:
+        problem = (start, scale, plank, seen, weight, unit)
+        answer: optx.Solution = optx.least_squares(
+            _wave_residuals, _SOLVER, jnp.zeros_like(start), problem, max_steps=40, throw=False
+        )
+        residuals = _wave_residuals(answer.value, problem)
+        return start + answer.value * scale, jnp.sum(residuals**2)
+
+    return jax.lax.map(solve, starts)
+
+
+def _wave_residuals(step: Array, problem: tuple[Array, Array, Plank, Array, Array, Array]) -> Array:
+    start, scale, plank, seen, weight, unit = problem
+    aside = (wave_squares(start + step * scale, plank) * unit - seen) * weight[:, None]
+    return aside * jax.lax.rsqrt(1.0 + jnp.sum(aside**2, axis=1, keepdims=True) / _OUTLIER**2)
+
+
+@jax.jit
+def _score_places(places: Array, plank: Plank, rings: Array, parts: Array) -> Array:
+    """How well rings around each of the places (S, 5) agree with a map (N,), block by block (N,) of the picture."""
+
+    def score(place: Array) -> Array:
+        turn = 2 * jnp.pi * ring_count(place, plank)
+        sums = [jnp.zeros(_BLOCKS**2).at[parts].add(rings * wave(turn)) for wave in (jnp.cos, jnp.sin)]
+        return jnp.sum(jnp.sqrt(sums[0] ** 2 + sums[1] ** 2))
+
+    return jax.lax.map(score, places, batch_size=16)
+
+
+def _main_direction(waves: LocalWaves) -> float:
+    """Across the grain, radians: the mean of the waves' directions, their sense left aside."""
+    x, y = waves.wave.T
+    weight = waves.weight / np.hypot(x, y)
+    return 0.5 * float(np.arctan2((weight * 2 * x * y).sum(), (weight * (x * x - y * y)).sum()))
+
+
+def _differing(candidates: Iterator[Floats]) -> list[Floats]:
+    kept: list[Floats] = []
+    for candidate in candidates:
+        if all(np.abs((candidate - other)[:GEOMETRY] / _APART).max() > 1 for other in kept):
+            kept.append(candidate)
+        if len(kept) == _MOST:
+            break
+    return kept
