@@ -90,21 +90,24 @@ def spoil_mask(mask: NDArray[np.bool_], random: np.random.Generator) -> NDArray[
     return spoilt ^ (random.random(mask.shape) < FLIPPED)
 
 
+def tiling_of(wall: Wall) -> jt.Tiling:
+    """The wall as the library's model."""
+    return jt.make_tiling(
+        tile_width=wall.width,
+        tile_height=wall.height,
+        angle=wall.angle,
+        mortar_x=wall.joint_x,
+        mortar_y=wall.joint_y,
+        offset=wall.offset,
+        origin=wall.origin,
+        course_offsets=wall.shifts,
+        bond=wall.bond,
+    )
+
+
 def find_errors(wall: Wall, found: jt.Tiling) -> dict[str, float]:
     """How far a tiling is from a wall, by measure; no number where the bond has no such thing."""
-    truth = canonical(
-        jt.make_tiling(
-            tile_width=wall.width,
-            tile_height=wall.height,
-            angle=wall.angle,
-            mortar_x=wall.joint_x,
-            mortar_y=wall.joint_y,
-            offset=wall.offset,
-            origin=wall.origin,
-            course_offsets=wall.shifts,
-            bond=wall.bond,
-        )
-    )
+    truth = canonical(tiling_of(wall))
     pitches = [abs(float(getattr(found, name) / getattr(truth, name)) - 1) for name in ("tile_width", "tile_height")]
     joints = [abs(float(getattr(found, name) - getattr(truth, name))) for name in ("mortar_x", "mortar_y")]
     turn = np.degrees(float(found.angle) - float(truth.angle))

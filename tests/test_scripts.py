@@ -21,27 +21,13 @@ def script(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> M
     return importlib.import_module(request.param)
 
 
-def tiling_of(wall) -> jt.Tiling:
-    return jt.make_tiling(
-        tile_width=wall.width,
-        tile_height=wall.height,
-        angle=wall.angle,
-        mortar_x=wall.joint_x,
-        mortar_y=wall.joint_y,
-        offset=wall.offset,
-        origin=wall.origin,
-        course_offsets=wall.shifts,
-        bond=wall.bond,
-    )
-
-
 @pytest.mark.parametrize("script", ["recovery"], indirect=True)
 @pytest.mark.parametrize("bond", ["stack", "running", "raking", "irregular"])
 def test_the_masks_of_the_recovery_are_those_of_the_model(script: ModuleType, bond: str) -> None:
     wall = script.draw_wall(bond, np.random.default_rng(1))
-    rendered = np.asarray(jt.coverage_grid(tiling_of(wall), script.SIZE, script.SIZE, blur=0.1)) > 0.5
+    rendered = np.asarray(jt.coverage_grid(script.tiling_of(wall), script.SIZE, script.SIZE, blur=0.1)) > 0.5
     assert (rendered == script.draw_mask(wall)).mean() > 0.999
-    errors = script.find_errors(wall, canonical(tiling_of(wall)))
+    errors = script.find_errors(wall, canonical(script.tiling_of(wall)))
     assert script.is_captured(errors)
     assert np.nanmax(list(errors.values())) < 1e-3
 

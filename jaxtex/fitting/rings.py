@@ -12,7 +12,9 @@ import numpy as np
 from jax import Array
 from numpy.typing import NDArray
 
-from jaxtex.models.wood import early_share
+from jaxtex.models.wood import canonical_pose, early_share, trunk_coordinates
+
+Floats = NDArray[np.float64]
 
 NAMES = ("xc", "yc", "tilt", "rotation", "log_spacing", "logit_fraction")
 GEOMETRY = 5  # how many of them place the rings
@@ -26,7 +28,7 @@ class Plank(NamedTuple):
     v: Array
 
 
-def lay_plank(height: int, width: int, step: int = 1) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def lay_plank(height: int, width: int, step: int = 1) -> tuple[Floats, Floats]:
     """u and v (H / step, W / step) of every ``step``-th pixel."""
     rows, columns = np.mgrid[step // 2 : height : step, step // 2 : width : step]
     return columns + 0.5 - width / 2, rows + 0.5 - height / 2
@@ -35,12 +37,9 @@ def lay_plank(height: int, width: int, step: int = 1) -> tuple[NDArray[np.float6
 def ring_distance(free: Array, plank: Plank) -> tuple[Array, Array]:
     """Distance (N,) of points from the axis, in pixels, and by how much of that a pixel on the plank differs from the
     next (N,), 0 to 1."""
-    c, s = jnp.cos(free[3]), jnp.sin(free[3])
-    lean = jnp.sin(free[2])
-    aside = plank.u * c + plank.v * s - free[0]
-    depth = lean * (plank.v * c - plank.u * s) - free[1]
+    aside, depth = _from_axis(free, plank)
     distance = jnp.sqrt(aside**2 + depth**2 + _PITH**2)
-    slope = jnp.sqrt((aside / distance) ** 2 + (lean * depth / distance) ** 2 + _PITH)
+    slope = jnp.sqrt((aside / distance) ** 2 + (jnp.sin(free[2]) * depth / distance) ** 2 + _PITH)
     return distance, slope
 
 
@@ -58,10 +57,8 @@ def early_wood(free: Array, plank: Plank, displacement: Array, blur: Array) -> A
 
 def wave_squares(free: Array, plank: Plank) -> Array:
     """(N, 3): the local wave vector's outer product with itself, as difference, cross term and sum."""
-    c, s = jnp.cos(free[3]), jnp.sin(free[3])
-    lean = jnp.sin(free[2])
-    aside = plank.u * c + plank.v * s - free[0]
-    depth = lean * (plank.v * c - plank.u * s) - free[1]
+    aside, depth = _from_axis(free, plank)
+    c, s, lean = jnp.cos(free[3]), jnp.sin(free[3]), jnp.sin(free[2])
     # Near the pith no piece of the picture has one wave; the ring itself bounds how sharply it may turn.
     spacing = jnp.exp(free[4])
     reach = jnp.sqrt(aside**2 + depth**2 + 1e-2 * spacing**2) * spacing
@@ -75,15 +72,16 @@ def square_waves(wave: Array) -> Array:
     return jnp.stack([x * x - y * y, 2 * x * y, x * x + y * y], axis=1)
 
 
-def canonical_rings(free: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The one of the descriptions of the same picture whose tilt is in [0, pi/2] and rotation in [0, pi)."""
-    xc, yc, tilt, rotation, *rest = (float(value) for value in free)
-    tilt = (tilt + np.pi) % (2 * np.pi) - np.pi
-    if tilt < 0:
-        tilt, yc = -tilt, -yc
-    tilt = min(tilt, np.pi - tilt)
-    turns = np.floor(rotation / np.pi)
-    rotation -= np.pi * turns
-    if turns % 2:
-        xc, yc = -xc, -yc
-    return np.array([xc, yc, tilt, rotation, *rest])
+def canonical_rings(free: Floats) -> tuple[Floats, Floats]:
+    """The one of the descriptions of the same picture whose tilt is in [0, pi/2] and rotation in [0, pi); and which of
+    the numbers (5 or 6,) have turned their sign, -1, on the way there."""
+    tilt, rotation, mirror = canonical_pose(float(free[2]), float(free[3]))
+    signs = np.ones(len(free))
+    signs[:3] = mirror[0], mirror[1], mirror[1] * mirror[2]
+    return np.array([free[0] * signs[0], free[1] * signs[1], tilt, rotation, *free[4:]]), signs
+
+
+def _from_axis(free: Array, plank: Plank) -> tuple[Array, Array]:
+    """From the axis to points of the plank, in the trunk: X and Y (N,)."""
+    x, y, _ = trunk_coordinates(plank.u, plank.v, tilt=free[2], rotation=free[3])
+    return x - free[0], y - free[1]

@@ -120,8 +120,7 @@ def fit_tiling(
     fitted = refine_finely(ended, reading.joint, wraps=wraps, sharp=mask is not None)
     refined = time.perf_counter()
     tell(3, 4)
-    working_size = (reading.joint.shape[1], reading.joint.shape[0])
-    verdict = judge_fit(tiling_seen(fitted.free, fitted.start, working_size), reading.joint)
+    verdict = judge_fit(_seen(fitted, reading.joint), reading.joint)
     fitted, joint, iou = _look_again(fitted, reading.joint, None if mask is not None else evidence)
     tiling = tiling_of(fitted.free, fitted.start, (width, height))
     check_joints(tiling, fix or {})
@@ -165,8 +164,7 @@ def _look_again(
 
     There is no ``evidence`` where the joints are those of the user's own mask.
     """
-    size = (joint.shape[1], joint.shape[0])
-    seen = tiling_seen(fitted.free, fitted.start, size)
+    seen = _seen(fitted, joint)
     if evidence is not None:
         distances = measure_distances(seen, joint.shape)
         thickness = measure_thickness(seen, distances, evidence)
@@ -175,8 +173,13 @@ def _look_again(
         if min(thickness) > 0:
             joint = see_joints(distances, thickness, evidence)
             fitted = refine_again(fitted, joint)
-            seen = tiling_seen(fitted.free, fitted.start, size)
+            seen = _seen(fitted, joint)
     return fitted, joint, mask_iou(seen, joint)
+
+
+def _seen(fitted: Fitted, joint: NDArray[np.float32]) -> Tiling:
+    """The fitted tiling in the pixels of a map of joints (H, W)."""
+    return tiling_seen(fitted.free, fitted.start, (joint.shape[1], joint.shape[0]))
 
 
 def _explain(reason: str, fix: Mapping[str, float], mask: NDArray[np.float32] | None) -> str:

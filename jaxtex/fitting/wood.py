@@ -136,7 +136,10 @@ def _find_rings(early: Floats) -> Rings | None:
                 best = rings
         if best is not None and best.unexplained < _FOUND:
             break
-    return None if best is None else best._replace(free=canonical_rings(best.free))
+    if best is None:
+        return None
+    free, signs = canonical_rings(best.free)
+    return best._replace(free=free, covariance=best.covariance * np.outer(signs, signs))
 
 
 def _displace(early: Floats, rings: Rings) -> tuple[Floats, NDArray[np.bool_], tuple[float, float]]:

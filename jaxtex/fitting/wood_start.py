@@ -72,7 +72,7 @@ def read_waves(waves: LocalWaves, shape: tuple[int, ...]) -> list[Floats]:
     best = costs[order[0]]
     # Rings finer than pixels tell, or wider than the picture, are the way out of fits that find none.
     spaced = (np.log(FINEST) <= ends[:, 4]) & (ends[:, 4] <= np.log(max(shape)))
-    return _differing(canonical_rings(ends[n]) for n in order if costs[n] <= _WORTH * best + 1.0 and spaced[n])
+    return _differing(canonical_rings(ends[n])[0] for n in order if costs[n] <= _WORTH * best + 1.0 and spaced[n])
 
 
 def scan_for_pith(rings: Floats, start: Floats) -> list[Floats]:
@@ -96,7 +96,7 @@ def scan_for_pith(rings: Floats, start: Floats) -> list[Floats]:
         plank = Plank(jnp.asarray(u.ravel()), jnp.asarray(v.ravel()))
         parts = jnp.asarray((_BLOCKS * rows + columns).ravel())
         scores = jax.device_get(_score_places(jnp.asarray(places), plank, jnp.asarray(smooth.ravel()), parts))
-    return _differing(canonical_rings(np.array(places[n])) for n in np.argsort(-scores))
+    return _differing(canonical_rings(np.array(places[n]))[0] for n in np.argsort(-scores))
 
 
 @jax.jit

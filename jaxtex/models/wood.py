@@ -5,16 +5,20 @@ trunk's are (X, Y, Z), its axis along Z. The plank is turned in the picture by `
 the axis: at tilt 0 its grain runs along the trunk, at 90 degrees it is end grain.
 """
 
+import math
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 from jax import Array
 from jax.typing import ArrayLike
+from numpy.typing import NDArray
 
 from jaxtex.models.soft import soft_step
 
 _WAVES = 48
+_RIGHT_ANGLE = math.pi / 2 + 1e-6  # in single precision a right angle is a little more than one
 _PITH = 1e-3  # of the ring spacing: how far the pith is rounded, so that it has a gradient
 _PERIODS = 3  # neighbouring rings that a spot may still see
 _WIDEST = 0.5  # rings: beyond this width a spot sees but the fundamental of the rings, to nine digits
@@ -66,9 +70,7 @@ class Wood(eqx.Module):
 
     def to_trunk(self, point: Array) -> Array:
         """Plank point (u, v) to the trunk's (X, Y, Z)."""
-        c, s = jnp.cos(self.rotation), jnp.sin(self.rotation)
-        across, along = c * point[0] + s * point[1], c * point[1] - s * point[0]
-        return jnp.stack([across, along * jnp.sin(self.tilt), along * jnp.cos(self.tilt)])
+        return jnp.stack(trunk_coordinates(point[0], point[1], tilt=self.tilt, rotation=self.rotation))
 
     def radius(self, trunk: Array) -> Array:
         """Distance of a trunk point (3,) from the axis, as turbulence has it; smooth at the pith."""
@@ -105,6 +107,34 @@ class Wood(eqx.Module):
         aside = trunk[:2] - self.center
         distance = jnp.sqrt(jnp.sum(aside**2) + (_PITH * self.ring_spacing) ** 2)
         return distance, aside / distance
+
+
+def trunk_coordinates(u: Array, v: Array, *, tilt: Array, rotation: Array) -> tuple[Array, Array, Array]:
+    """Where points (u, v) of a plank, of any one shape, lie in the trunk: X, Y and Z, each of that shape."""
+    c, s = jnp.cos(rotation), jnp.sin(rotation)
+    along = c * v - s * u
+    return c * u + s * v, along * jnp.sin(tilt), along * jnp.cos(tilt)
+
+
+def canonical_pose(tilt: float, rotation: float) -> tuple[float, float, NDArray[np.float64]]:
+    """Tilt in [0, pi/2] and rotation in [0, pi) that show the same plank, once the trunk's axes are mirrored (3,).
+
+    Examples:
+        >>> tilt, rotation, mirror = canonical_pose(-0.5, 4.0)
+        >>> tilt, round(rotation, 4), mirror.tolist()
+        (0.5, 0.8584, [-1.0, 1.0, -1.0])
+    """
+    tilt = math.remainder(tilt, 2 * math.pi)
+    mirror = np.ones(3)
+    if tilt < 0:
+        tilt, mirror[1] = -tilt, -1.0
+    if tilt > _RIGHT_ANGLE:
+        tilt, mirror[2] = math.pi - tilt, -1.0
+    turns = math.floor(rotation / math.pi)
+    rotation -= turns * math.pi
+    if rotation >= math.pi:  # by rounding: it was a hair below a half turn
+        rotation, turns = 0.0, turns + 1
+    return tilt, rotation, -mirror if turns % 2 else mirror
 
 
 def early_share(count: ArrayLike, fraction: ArrayLike, width: ArrayLike) -> Array:
@@ -177,7 +207,7 @@ def make_wood(
     return Wood(**{name: jnp.asarray(value, float) for name, value in numbers.items()}, waves=waves, phases=phases)
 
 
-def _checked(name: str, value: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def _checked(name: str, value: npt.ArrayLike) -> NDArray[np.float64]:
     """The numbers of a parameter, once they are known to be as many as it has, finite and in its range."""
     numbers = np.asarray(value, float)
     shape = _SHAPES.get(name, ())

@@ -12,9 +12,8 @@ import jax
 import numpy as np
 
 from jaxtex.models.envelope import SourceImage, plain, schema_of
-from jaxtex.models.wood import Wood, make_wood
+from jaxtex.models.wood import Wood, canonical_pose, make_wood
 
-_RIGHT_ANGLE = math.pi / 2 + 1e-6  # in single precision a right angle is a little more than one
 _PLAIN = ("center", "ring_spacing", "early_fraction", "early_rgb", "late_rgb", "turbulence_rms", "turbulence_frequency")
 
 
@@ -53,18 +52,7 @@ def canonical_wood(wood: Wood) -> Wood:
         >>> turned.center.tolist(), round(float(turned.rotation), 4), turned.tilt.tolist()
         ([-30.0, 4.0], 0.8584, 0.5)
     """
-    tilt, rotation = math.remainder(float(wood.tilt), 2 * math.pi), float(wood.rotation)
-    mirror = np.ones(3)
-    if tilt < 0:
-        tilt, mirror[1] = -tilt, -1.0
-    if tilt > _RIGHT_ANGLE:
-        tilt, mirror[2] = math.pi - tilt, -1.0
-    turns = math.floor(rotation / math.pi)
-    rotation -= turns * math.pi
-    if rotation >= math.pi:  # by rounding: it was a hair below a half turn
-        rotation, turns = 0.0, turns + 1
-    if turns % 2:
-        mirror = -mirror
+    tilt, rotation, mirror = canonical_pose(float(wood.tilt), float(wood.rotation))
     changed: dict[str, Any] = {
         "center": wood.center * mirror[:2],
         "tilt": tilt,

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft, ndimage
 
+from jaxtex.photo.peaks import parabola_top
+
 Map = NDArray[np.float32]
 Array = NDArray[np.float64]
 
@@ -198,9 +200,7 @@ def _vertex(power: Map, fy: int, fx: int, axis: int) -> float:
         y, x = (y, x) if x >= 0 else (-y, -x)
         return float(np.log(power[y % _BOX, min(x, _BOX // 2)] + 1e-12))
 
-    before, here, after = (log_power(fy + d * (axis == 0), fx + d * (axis == 1)) for d in (-1, 0, 1))
-    bend = before - 2 * here + after
-    return float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5)) if bend < 0 else 0.0
+    return float(parabola_top(*(log_power(fy + d * (axis == 0), fx + d * (axis == 1)) for d in (-1, 0, 1))))
 
 
 def same_courses(a: Courses, b: Courses, extent: int, *, slack: float = 1.0) -> bool:

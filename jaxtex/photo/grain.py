@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy import fft, ndimage
 from skimage.filters import threshold_otsu
 
+from jaxtex.photo.peaks import parabola_top
 from jaxtex.photo.pictures import lightness
 
 Map = NDArray[np.float32]
@@ -90,14 +91,8 @@ def _find_peaks(power: Array, size: int) -> tuple[Array, Array]:
 
     floor = 1e-12 * max(float(inner.max(initial=0.0)), 1e-30)
     logs = {(dy, dx): np.log(at(dy, dx) + floor) for dy, dx in ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1))}
-    down = _vertex(logs[-1, 0], logs[0, 0], logs[1, 0])
-    right = _vertex(logs[0, -1], logs[0, 0], logs[0, 1])
+    down = parabola_top(logs[-1, 0], logs[0, 0], logs[1, 0])
+    right = parabola_top(logs[0, -1], logs[0, 0], logs[0, 1])
     near = sum((at(dy, dx) for dy in range(-2, 3) for dx in range(-2, 3)), np.zeros(len(power)))
     wave = np.stack([column + right, fy[row] + down], axis=1) / size
     return wave, np.where(whole > 1e-6 * whole.max(initial=0.0), near / np.maximum(whole, 1e-30), 0.0)
-
-
-def _vertex(before: Array, here: Array, after: Array) -> Array:
-    """Offset, within half a sample, of the top of the parabola through three neighbouring samples."""
-    bend = before - 2 * here + after
-    return np.where(bend < 0, np.clip(0.5 * (before - after) / np.where(bend < 0, bend, -1.0), -0.5, 0.5), 0.0)

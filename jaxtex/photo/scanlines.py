@@ -13,6 +13,7 @@ from scipy import fft
 
 from jaxtex.photo.courses import Courses, Map
 from jaxtex.photo.lattice import MEASUREMENTS, Lattice, joint_distances
+from jaxtex.photo.peaks import parabola_top
 from jaxtex.photo.strips import Strips, lay_strips
 
 _HARMONICS = 4
@@ -134,7 +135,7 @@ def find_widths(scanlines: Scanlines) -> list[tuple[int, float]]:
             peak = int(np.argmax(comb))
             if not np.isfinite(comb[peak]):
                 break
-            found.append((lean, scanlines.size / (bins[peak] + _vertex(combs[lean], peak))))
+            found.append((lean, scanlines.size / (bins[peak] + _between(combs[lean], peak))))
             comb[max(peak - 2, 0) : peak + 3] = -np.inf
         # Joints in turn above and below, or courses of headers, can drown a frequency in its double.
         longest = scanlines.length.max() / _FEWEST_TILES
@@ -305,10 +306,6 @@ def _product(a: Map, b: Map) -> float:
     return float(np.einsum("n,n->", a, b))
 
 
-def _vertex(values: Array, at: int) -> float:
-    """Offset, within half a sample, of the top of the parabola through three neighbouring samples."""
-    if not 0 < at < len(values) - 1:
-        return 0.0
-    before, here, after = values[at - 1 : at + 2]
-    bend = before - 2 * here + after
-    return float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5)) if bend < 0 else 0.0
+def _between(values: Array, at: int) -> float:
+    """By how much of a sample the peak lies beside a sample; 0 at the ends."""
+    return float(parabola_top(*values[at - 1 : at + 2])) if 0 < at < len(values) - 1 else 0.0

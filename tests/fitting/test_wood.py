@@ -82,7 +82,11 @@ def test_displacement_is_measured():
 )  # fmt: skip
 def test_the_canonical_description_draws_the_same_rings(xc, yc, tilt, rotation):
     free = np.array([xc, yc, tilt, rotation, 3.0, 0.2])
-    written = canonical_rings(free)
+    written, signs = canonical_rings(free)
+    # How the numbers answer to a small change, which is what a covariance needs.
+    step = np.array([1e-3, 2e-3, 1e-6, 0.0, 0.0, 0.0])
+    if 1e-5 < written[2] < np.pi / 2 - 1e-5:
+        np.testing.assert_allclose(canonical_rings(free + step)[0] - written, signs * step, atol=1e-9)
     assert 0 <= written[2] <= np.pi / 2
     assert 0 <= written[3] <= np.pi
     u, v = np.random.default_rng(0).uniform(-200, 200, (2, 50))
