@@ -4,11 +4,13 @@ A vector ``free`` (6,) holds the axis (xc, yc), tilt, rotation, the logarithm of
 share of early wood. Only geometry: colours follow from the mask.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+import numpy.typing as npt
 from jax import Array
 from numpy.typing import NDArray
 
@@ -19,6 +21,19 @@ Floats = NDArray[np.float64]
 NAMES = ("xc", "yc", "tilt", "rotation", "log_spacing", "logit_fraction")
 GEOMETRY = 5  # how many of them place the rings
 _PITH = 1e-3  # pixels: how far the pith is rounded, so that it has a gradient
+
+
+Held = Mapping[int, float]  # numbers of a vector that do not move, by their place in it
+
+
+def hold(free: Floats, held: Held) -> Floats:
+    """The vector with its held numbers where they are held."""
+    return np.array([held.get(n, value) for n, value in enumerate(free)])
+
+
+def loosen(scale: npt.ArrayLike, held: Held) -> Floats:
+    """Steps of a vector's numbers (N,), none for those that are held."""
+    return np.array([0.0 if n in held else step for n, step in enumerate(np.asarray(scale, float))])
 
 
 class Plank(NamedTuple):

@@ -1,38 +1,52 @@
 """Picture of wood -> fitted wood: the whole way, step by step.
 
-Lefebvre & Poulin 2000, section 3, as the start: a mask of early wood, its share and colours, and the spectrum; but the
-spectrum piece by piece, so that tilt and axis follow from how the rings bend. Then the rings are counted, and the model
-is fitted to the mask by least squares.
+Lefebvre & Poulin 2000, section 3, as the start: a mask of early wood, its share and colours, and how the rings run. A
+picture as clean as a drawing is fitted to the pixel (:mod:`jaxtex.fitting.wood_drawn`); on a photograph the grain is
+followed first, and its rings are counted (:mod:`jaxtex.fitting.wood_grain`, :mod:`jaxtex.fitting.wood_count`).
 """
 
 import dataclasses
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 from skimage import transform
 
 from jaxtex.core.errors import InputError
-from jaxtex.fitting.rings import GEOMETRY, canonical_rings
+from jaxtex.fitting.rings import GEOMETRY, Held, canonical_rings
 from jaxtex.fitting.verdict import mean_iou
-from jaxtex.fitting.wood_phase import compare_rings, follow_rings
-from jaxtex.fitting.wood_solve import Rings, fit_mask
-from jaxtex.fitting.wood_start import list_starts
+from jaxtex.fitting.wood_choices import hold_wood
+from jaxtex.fitting.wood_count import fit_count
+from jaxtex.fitting.wood_drawn import read_drawn
+from jaxtex.fitting.wood_grain import Grain, read_grain
+from jaxtex.fitting.wood_outcome import (
+    Seen,
+    is_early,
+    measure_displacement,
+    model_count,
+    read_colours,
+    read_displacement,
+    standard_errors,
+    what_is_told,
+    wood_of,
+)
 from jaxtex.models.wood import Wood, make_wood
 from jaxtex.photo.automask import check_surface
+from jaxtex.photo.directions import measure_directions, smooth_along
 from jaxtex.photo.evidence import shrink
-from jaxtex.photo.grain import find_early_wood
+from jaxtex.photo.grain import find_early_wood, flatten_light
 
 Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 WORKING_SIZE = 512
-_FOUND = 0.1  # share of the mask's variance left, below which no other start is looked for
-_TRIED = 2  # starts of each batch whose mask is fitted
-_NOT_WOOD = 0.75  # share left above which nothing has been found
 _FEWEST = 0.02  # share of either kind of wood, at least
+_FLAT = 0.5  # lightness, of 100: less contrast is none
+_DRAWN = 0.97  # overlap of a mask with itself smoothed along the grain: photographs have pores and speckles
+_GRAINY = 0.6  # how well edges follow the grain, at least
+_CROSSED = 0.012  # share of edges that run across the grain, at most
 
 Report = Callable[[float, float], None]
 
@@ -41,28 +55,38 @@ Report = Callable[[float, float], None]
 class WoodFit:
     """What :func:`fit_wood` found.
 
-    ``ok`` is False where the picture shows no rings, or none that the model could follow; ``reason`` says why, and the
-    other entries are the best guess. ``wood``: the model, in pixels of the photograph. ``mask`` [H, W]: the observed
-    mask, 1 on early wood. ``displacement`` [H, W]: by how many pixels the observed rings lie further out than those of
-    the model without turbulence. ``iou``: intersection over union of observed and modelled mask, mean of both kinds of
-    wood, without and with that displacement. ``standard_errors``: one standard deviation, by parameter.
-    ``covariance`` (6, 6): of xc, yc, tilt, rotation (radians), and the logarithms of spacing and of the odds of early
-    wood. ``seconds`` spent.
+    ``ok`` is False where the picture shows no wood of one piece; ``reason`` says why, and the other entries are the
+    best guess. ``wood``: the model, in pixels of the photograph. ``mask`` [H, W]: the observed mask, True on early
+    wood. ``rings`` [H, W]: those seen, counted as the model counts them, turbulence and uneven widths included.
+    ``displacement`` [H, W]: by how many pixels these lie further out than the model's without turbulence. ``clear``
+    [H, W]: where the rings can be trusted: no knots, no cracks. ``iou``: intersection over union of observed and
+    modelled mask, mean of both kinds of wood, without and with that displacement. ``standard_errors``: one standard
+    deviation, by parameter; None where the picture does not tell. ``determined``: whether it does. ``covariance``
+    (6, 6): of xc, yc (pixels), tilt, rotation (radians), and the logarithms of the spacing and of the odds of early
+    wood. ``seconds`` spent, by step.
     """
 
     ok: bool
     reason: str
     wood: Wood
-    mask: NDArray[np.bool_]
+    mask: Mask
+    rings: NDArray[np.float32]
     displacement: NDArray[np.float32]
+    clear: Mask
     iou: tuple[float, float]
-    standard_errors: dict[str, float]
+    standard_errors: dict[str, Any]
+    determined: dict[str, bool]
     covariance: Floats
     seconds: dict[str, float]
 
 
 def fit_wood(
-    photo: NDArray[np.floating], *, mask: NDArray[np.bool_] | None = None, report: Report | None = None
+    photo: NDArray[np.floating],
+    *,
+    mask: NDArray[np.bool_] | None = None,
+    fix: Mapping[str, float] | None = None,
+    ellipse_center: tuple[float, float] | None = None,
+    report: Report | None = None,
 ) -> WoodFit:
     """Fit wood to a photograph of a plank, straight-grained, flat-sawn or end grain.
 
@@ -72,13 +96,19 @@ def fit_wood(
         Linear [H, W], [H, W, 1] or [H, W, 3], at least 32 x 32.
     mask
         The user's own mask [H, W], True on early wood (the lighter), in place of the automatic one.
+    fix
+        Parameters held at given values: ``xc``, ``yc``, ``ring_spacing`` (pixels of the photograph), ``tilt_deg``,
+        ``rotation_deg``, ``early_fraction``.
+    ellipse_center
+        Where in the photograph (x, y) the rings' ellipses have their middle, as in the paper's section 3.5.
     report
         Called with (done, total) as the work goes on.
 
     Raises
     ------
     InputError
-        A picture or mask of the wrong shape, too small, or not finite; a mask with one kind of wood only.
+        A picture or mask of the wrong shape, too small, or not finite; a mask with one kind of wood only; an unknown
+        parameter or a value out of range.
 
     Examples
     --------
@@ -90,143 +120,139 @@ def fit_wood(
     (True, 16.0, 20)
     """
     tell = report or (lambda done, total: None)
-    began = time.perf_counter()
+    clock = _Clock()
     tell(0, 3)
     picture = check_surface(photo)
-    early = find_early_wood(picture) if mask is None else _check_mask(mask, picture.shape[:2])
-    working = shrink(early.astype(np.float32), WORKING_SIZE).astype(float)
-    scale = max(early.shape) / max(working.shape)
-    share = float(working.mean())
-    if not _FEWEST < share < 1 - _FEWEST:
-        return _nothing(picture, early, "the picture shows one kind of wood only, if it is wood", began)
+    working = shrink(picture, WORKING_SIZE)
+    scale = max(picture.shape[:2]) / max(working.shape[:2])
+    light = flatten_light(working) if mask is None else _as_light(mask, picture.shape[:2])
+    held, pith = hold_wood(fix or {}, ellipse_center, shape=picture.shape[:2], scale=scale)
+    early = find_early_wood(picture) if mask is None else np.asarray(mask) > 0.5
+    if light.std() < _FLAT or not _FEWEST < early.mean() < 1 - _FEWEST:
+        return _nothing(picture, early, "the picture is all of one lightness: no rings are to be seen", clock)
     tell(1, 3)
-    rings = _find_rings(working)
+    seen = _read_if_drawn(shrink(early.astype(np.float32), WORKING_SIZE).astype(float), held, pith)
+    reason = ""
+    if seen is None:
+        grain = read_grain(light, across=held.get(3), middle=pith)
+        reason = _judge(grain)
+        seen, early = _read_photographed(grain, held), _enlarge(grain.early, picture.shape[:2])
+    clock.note("rings")
     tell(2, 3)
-    if rings is None:
-        return _nothing(picture, early, "nothing in the picture repeats like rings", began)
-    displacement, clear, iou = _displace(working, rings)
-    colours = _read_colours(picture, early)
-    wood, errors = _describe(rings, _read_turbulence(displacement, clear), colours, scale)
-    ok = rings.unexplained < _NOT_WOOD
-    reason = "" if ok else f"its rings explain only {1 - rings.unexplained:.0%} of what is light and dark"
+    fit = _describe(picture, seen, early, scale, clock)
     tell(3, 3)
+    return dataclasses.replace(fit, ok=not reason, reason=reason)
+
+
+def _read_if_drawn(early: Floats, held: Held, pith: tuple[float, float] | None) -> Seen | None:
+    """Rings to the pixel, from a mask (H, W) without pores and speckles; else None."""
+    smooth = smooth_along(early, measure_directions(early - early.mean(), 1.5, reach=6.0), 6.0)
+    if mean_iou(early > 0.5, smooth > 0.5) < _DRAWN:
+        return None
+    return read_drawn(early, held, pith)
+
+
+def _read_photographed(grain: Grain, held: Held) -> Seen:
+    """Rings as a photograph tells them: counted, and displaced as they may be."""
+    counted = fit_count(grain, held)
+    share = float(np.clip(grain.early.mean(), 1e-3, 1 - 1e-3))
+    logit = held.get(GEOMETRY, float(np.log(share / (1 - share))))
+    covariance = np.zeros((GEOMETRY + 1,) * 2)
+    covariance[:GEOMETRY, :GEOMETRY] = counted.covariance
+    rings = max(float(np.ptp(counted.rings)), 1.0)
+    covariance[GEOMETRY, GEOMETRY] = 0.0 if GEOMETRY in held else 1 / (rings * share * (1 - share))
+    free, signs = canonical_rings(np.append(counted.free, logit))
+    displacement = read_displacement(counted.rings, free)
+    turbulence = measure_displacement(displacement, grain.clear)
+    return Seen(grain.early, free, covariance * np.outer(signs, signs), counted.rings, grain.clear, turbulence)
+
+
+def _judge(grain: Grain) -> str:
+    """Why the grain is not that of one piece of wood; empty where it is."""
+    if grain.pith is not None:
+        return ""
+    if grain.agreement < _GRAINY:
+        return "nothing in the picture runs like the grain of wood"
+    if grain.crossing > _CROSSED:
+        return "edges run across the grain: this may be a floor (jaxtex fit floor), a wall or tiles (jaxtex fit tiling)"
+    return ""
+
+
+def _describe(picture: NDArray[np.float32], seen: Seen, early: Mask, scale: float, clock: "_Clock") -> WoodFit:
+    shape = picture.shape[:2]
+    rigid = model_count(seen.free, seen.rings.shape)
+    logit = float(seen.free[GEOMETRY])
+    overlaps = [mean_iou(seen.early, is_early(rings, logit)) for rings in (rigid, seen.rings)]
+    wood = wood_of(seen.free, seen.turbulence, read_colours(picture, early), scale=scale)
+    errors = standard_errors(seen, scale=scale)
+    unit = np.array([scale, scale, 1.0, 1.0, 1.0, 1.0])
+    displacement = read_displacement(seen.rings, seen.free) * scale
+    clock.note("description")
     return WoodFit(
-        ok=ok,
-        reason=reason,
+        ok=True,
+        reason="",
         wood=wood,
         mask=early,
-        displacement=(transform.resize(displacement, early.shape, order=1) * scale).astype(np.float32),
-        iou=iou,
+        rings=_enlarge(seen.rings, shape).astype(np.float32),
+        displacement=_enlarge(displacement, shape).astype(np.float32),
+        clear=_enlarge(seen.clear, shape),
+        iou=(overlaps[0], overlaps[1]),
         standard_errors=errors,
-        covariance=rings.covariance,
-        seconds={"all": time.perf_counter() - began},
+        determined=what_is_told(errors, wood),
+        covariance=seen.covariance * np.outer(unit, unit),
+        seconds=clock.seconds,
     )
 
 
-def _find_rings(early: Floats) -> Rings | None:
-    """The best rings for a mask of early wood (H, W): start after start, until one explains the mask."""
-    share = float(early.mean())
-    logit = np.log(share / (1 - share))
-    best: Rings | None = None
-    for starts in list_starts(early - share):
-        followed = sorted((follow_rings(early - share, start) for start in starts), key=lambda each: -each[1])
-        for free, _ in followed[:_TRIED]:
-            rings = fit_mask(early, np.append(free[:GEOMETRY], logit))
-            if np.isfinite(rings.free).all() and (best is None or rings.unexplained < best.unexplained):
-                best = rings
-        if best is not None and best.unexplained < _FOUND:
-            break
-    if best is None:
-        return None
-    free, signs = canonical_rings(best.free)
-    return best._replace(free=free, covariance=best.covariance * np.outer(signs, signs))
+class _Clock:
+    """Seconds spent, step by step."""
+
+    def __init__(self) -> None:
+        self.began = time.perf_counter()
+        self.seconds: dict[str, float] = {}
+
+    def note(self, step: str) -> None:
+        now = time.perf_counter()
+        self.seconds[step], self.began = now - self.began, now
 
 
-def _displace(early: Floats, rings: Rings) -> tuple[Floats, NDArray[np.bool_], tuple[float, float]]:
-    """How far the observed rings lie outside the fitted ones (H, W), pixels; where that is clear (H, W), away from the
-    border and the pith; and the IoU without and with it."""
-    spacing = float(np.exp(rings.free[4]))
-    off, strength, count = compare_rings(early - early.mean(), rings.free, blur=0.5 * spacing)
-    # Where no ring is seen, its neighbours tell.
-    weight = ndimage.gaussian_filter(strength**2, spacing) + 1e-9
-    smooth = ndimage.gaussian_filter(off * strength**2, spacing) / weight
-    fraction = 1 / (1 + np.exp(-rings.free[5]))
-    modelled = [np.sin(2 * np.pi * each) > np.cos(np.pi * fraction) for each in (count, count + smooth)]
-    clear = np.zeros(early.shape, bool)
-    margin = min(int(spacing), min(early.shape) // 4)
-    clear[margin:-margin, margin:-margin] = True
-    # Where rings pass slowly, the blur that parts them from their mirror image is too small.
-    slope = np.hypot(*np.gradient(count)) * spacing
-    clear &= (count > 2.0) & (slope > 0.7) & (strength > 0.3 * strength.max())
-    return smooth * spacing, clear, (mean_iou(early > 0.5, modelled[0]), mean_iou(early > 0.5, modelled[1]))
-
-
-def _read_colours(picture: NDArray[np.float32], early: NDArray[np.bool_]) -> tuple[Floats, Floats]:
-    """Linear colours (3,) of early and late wood: the middle half of each, away from their borders (section 3.1)."""
-    return _middle_colour(picture, early, dark=False), _middle_colour(picture, ~early, dark=True)
-
-
-def _middle_colour(picture: NDArray[np.float32], mask: NDArray[np.bool_], *, dark: bool) -> Floats:
-    inner = ndimage.binary_erosion(mask, iterations=1)
-    pixels = picture[inner if inner.sum() > 100 else mask]
-    light = pixels.mean(axis=1)
-    # The borders between both kinds are mixed: the paper's quartiles lie well inside each of them.
-    pure = light <= np.median(light) if dark else light >= np.median(light)
-    return np.broadcast_to(np.median(pixels[pure], axis=0), 3).astype(float)
-
-
-def _describe(
-    rings: Rings, turbulence: tuple[float, float], colours: tuple[Floats, Floats], scale: float
-) -> tuple[Wood, dict[str, float]]:
-    """The fitted wood in pixels of the photograph, and its standard errors."""
-    xc, yc, tilt, rotation, log_spacing, logit = rings.free
-    spacing, fraction = np.exp(log_spacing) * scale, 1 / (1 + np.exp(-logit))
-    rms, frequency = turbulence
-    wood = make_wood(
-        center=(xc * scale, yc * scale),
-        tilt=tilt,
-        rotation=rotation,
-        ring_spacing=spacing,
-        early_fraction=fraction,
-        early_rgb=colours[0],
-        late_rgb=colours[1],
-        turbulence_rms=rms * scale,
-        turbulence_frequency=frequency / scale,
-    )
-    sigma = np.sqrt(np.maximum(np.diag(rings.covariance), 0.0))
-    units: dict[str, Any] = {
-        "xc": scale,
-        "yc": scale,
-        "tilt_deg": np.degrees(1.0),
-        "rotation_deg": np.degrees(1.0),
-        "ring_spacing": spacing,
-        "early_fraction": fraction * (1 - fraction),
-    }
-    return wood, {name: float(one * unit) for one, (name, unit) in zip(sigma, units.items(), strict=True)}
-
-
-def _read_turbulence(displacement: Floats, clear: NDArray[np.bool_]) -> tuple[float, float]:
-    """Root mean square (pixels) and mean frequency (cycles per pixel) of a displacement (H, W) where it is clear, its
-    mean left aside."""
-    if not clear.any():
-        return 0.0, 0.0
-    height, width = displacement.shape
-    free = np.where(clear, displacement - displacement[clear].mean(), 0.0)
-    power = np.abs(np.fft.rfft2(free * np.outer(np.hanning(height), np.hanning(width)))) ** 2
-    radius = np.hypot(np.fft.fftfreq(height)[:, None], np.fft.rfftfreq(width)[None])
-    return float(free[clear].std()), float((radius * power).sum() / max(float(power.sum()), 1e-30))
-
-
-def _check_mask(mask: NDArray[np.bool_], shape: tuple[int, ...]) -> NDArray[np.bool_]:
+def _as_light(mask: NDArray[np.bool_], shape: tuple[int, ...]) -> Floats:
+    """A user's mask as the lightness (H, W) that would give it, at working size."""
     mask = np.asarray(mask)
     if mask.shape != shape:
         raise InputError(f"the mask has shape {mask.shape}; it must be that of the photograph, {shape}")
-    return mask > 0.5
+    light = 20.0 * shrink((mask > 0.5).astype(np.float32), WORKING_SIZE).astype(float)
+    return light - light.mean()
 
 
-def _nothing(picture: NDArray[np.float32], early: NDArray[np.bool_], reason: str, began: float) -> WoodFit:
-    """No guess at all: rings as wide as the picture."""
-    wood = make_wood(ring_spacing=float(max(early.shape)), early_rgb=(0.5,) * 3, late_rgb=(0.2,) * 3)
+def _enlarge(each: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    if each.shape == tuple(shape):
+        return each
+    if each.dtype == bool:
+        return transform.resize(each.astype(float), shape, order=1) > 0.5
+    return transform.resize(each, shape, order=1)
+
+
+def _nothing(picture: NDArray[np.float32], early: Mask, reason: str, clock: _Clock) -> WoodFit:
+    """No guess at all: rings as wide as the picture, all of its one colour."""
+    colour = np.broadcast_to(np.clip(picture.mean(axis=(0, 1)), 0, None), 3)
+    wood = make_wood(ring_spacing=float(max(early.shape)), early_rgb=colour, late_rgb=colour)
     nowhere = np.zeros(early.shape, np.float32)
-    seconds = {"all": time.perf_counter() - began}
-    return WoodFit(False, reason, wood, early, nowhere, (0.0, 0.0), {}, np.zeros((6, 6)), seconds)
+    errors: dict[str, Any] = dict.fromkeys(("tilt_deg", "rotation_deg", "ring_spacing", "early_fraction"))
+    errors = {"center": [None, None], **errors}
+    clock.note("rings")
+    determined = what_is_told(errors, wood) | {"turbulence_rms": False}
+    return WoodFit(
+        ok=False,
+        reason=reason,
+        wood=wood,
+        mask=early,
+        rings=nowhere,
+        displacement=nowhere,
+        clear=np.zeros(early.shape, bool),
+        iou=(0.0, 0.0),
+        standard_errors=errors,
+        determined=determined,
+        covariance=np.full((GEOMETRY + 1,) * 2, np.inf),
+        seconds=clock.seconds,
+    )

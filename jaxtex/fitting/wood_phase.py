@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.restoration import unwrap_phase
 
-from jaxtex.fitting.rings import GEOMETRY, Plank, lay_plank, ring_count
+from jaxtex.fitting.rings import GEOMETRY, Held, Plank, lay_plank, loosen, ring_count
 
 Floats = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ _OUTLIER = 0.5  # rings
 _SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-5, atol=1e-5)
 
 
-def follow_rings(rings: Floats, start: Floats) -> tuple[Floats, float]:
+def follow_rings(rings: Floats, start: Floats, held: Held) -> tuple[Floats, float]:
     """Carry a start (5,) on until it has all the rings of a map (H, W) of zero mean; and how well they then agree."""
     height, width = rings.shape
     plank = lay_plank(height, width, _STEP)
@@ -39,7 +39,7 @@ def follow_rings(rings: Floats, start: Floats) -> tuple[Floats, float]:
         # Around the pith rings bend too sharply for one wave.
         weight = weight * (count > 1.0)
         seen = (count + off)[near, near].ravel()
-        found = _fit_count(free, plank, seen, weight[near, near].ravel(), _WHOLE_RINGS if number else (0,))
+        found = _fit_count(free, plank, seen, weight[near, near].ravel(), held, _WHOLE_RINGS if number else (0,))
         if not np.isfinite(found).all():
             break
         moved = np.abs(found - free) / [1.0, 1.0, 0.003, 0.003, 0.003]
@@ -69,11 +69,11 @@ def compare_rings(rings: Floats, free: Floats, *, blur: float) -> tuple[Floats, 
 
 
 def _fit_count(
-    free: Floats, plank: tuple[Floats, Floats], seen: Floats, weight: Floats, offsets: tuple[int, ...]
+    free: Floats, plank: tuple[Floats, Floats], seen: Floats, weight: Floats, held: Held, offsets: tuple[int, ...]
 ) -> Floats:
     """The vector (5,) whose count of rings is nearest to the one seen (N,), give or take whole rings."""
     size = 2 * max(float(np.abs(plank[0]).max()), float(np.abs(plank[1]).max()))
-    scale = np.array([1.0, 1.0, 2 / size, 2 / size, 2 / size])
+    scale = loosen([1.0, 1.0, 2 / size, 2 / size, 2 / size], held)
     best: tuple[float, Floats] = (np.inf, np.full(GEOMETRY, np.nan))
     with jax.enable_x64():
         points = Plank(*(jnp.asarray(each.ravel()) for each in plank))

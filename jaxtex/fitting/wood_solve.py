@@ -10,7 +10,7 @@ from jax import Array
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from jaxtex.fitting.rings import NAMES, Plank, early_wood, lay_plank
+from jaxtex.fitting.rings import NAMES, Held, Plank, early_wood, lay_plank, loosen
 
 Floats = NDArray[np.float64]
 
@@ -40,19 +40,19 @@ class Rings(NamedTuple):
     unexplained: float
 
 
-def fit_mask(early: Floats, free: Floats, displacement: Floats | None = None) -> Rings:
+def fit_mask(early: Floats, free: Floats, held: Held, displacement: Floats | None = None) -> Rings:
     """Carry a vector (6,) on to the mask of early wood (H, W), rings being displaced outwards by (H, W) pixels."""
     displacement = np.zeros_like(early) if displacement is None else displacement
     spacing = float(np.exp(free[4]))
     rings = Rings(free, np.zeros((len(NAMES),) * 2), 1.0)
     for blur, step in ((max(0.12 * spacing, 1.5), 4), (1.5, 2), (0.5, 2), (0.0, 1)):
-        rings = _solve_level(early, rings.free, displacement, blur=blur, step=step)
+        rings = _solve_level(early, rings.free, held, displacement, blur=blur, step=step)
         if not np.isfinite(rings.free).all() or rings.unexplained > _FAR:
             break
     return rings
 
 
-def _solve_level(early: Floats, free: Floats, displacement: Floats, *, blur: float, step: int) -> Rings:
+def _solve_level(early: Floats, free: Floats, held: Held, displacement: Floats, *, blur: float, step: int) -> Rings:
     height, width = early.shape
     smooth = ndimage.gaussian_filter(early, blur, mode="nearest") if blur else early
     near = slice(step // 2, None, step)
@@ -61,7 +61,7 @@ def _solve_level(early: Floats, free: Floats, displacement: Floats, *, blur: flo
     with jax.enable_x64():
         problem = Problem(
             free=jnp.asarray(free),
-            scale=jnp.asarray([1.0, 1.0, size, size, size, 0.05]),
+            scale=jnp.asarray(loosen([1.0, 1.0, size, size, size, 0.05], held)),
             plank=Plank(*(jnp.asarray(each.ravel()) for each in lay_plank(height, width, step))),
             early=jnp.asarray(seen),
             displacement=jnp.asarray(displacement[near, near].ravel()),

@@ -15,7 +15,18 @@ from jax import Array
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from jaxtex.fitting.rings import GEOMETRY, Plank, canonical_rings, lay_plank, ring_count, square_waves, wave_squares
+from jaxtex.fitting.rings import (
+    GEOMETRY,
+    Held,
+    Plank,
+    canonical_rings,
+    hold,
+    lay_plank,
+    loosen,
+    ring_count,
+    square_waves,
+    wave_squares,
+)
 from jaxtex.photo.grain import FINEST, LocalWaves, find_period, measure_waves
 
 Floats = NDArray[np.float64]
@@ -28,25 +39,26 @@ _WORTH = 4.0  # times the least cost, and 1 more: starts that end higher are not
 _OUTLIER = 0.3  # of the squared frequency: pieces that differ by more count less and less
 _APART = np.array([50.0, 50.0, 0.17, 0.17, 0.1])  # starts that differ by less end alike
 _PITH_LEANS = (0.02, 0.06, 0.15, 0.3, 0.5, 0.75)
+_MOST_AXES = 64  # to either side of the middle: so many places can be tried in the time there is
 _BLOCKS = 8  # parts of the picture along a side, each coherent by itself
 
 _SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-5, atol=1e-5)
 
 
-def list_starts(rings: Floats) -> Iterator[list[Floats]]:
+def list_starts(rings: Floats, held: Held) -> Iterator[list[Floats]]:
     """Batches of starts, each a vector of `GEOMETRY` numbers, for a map of rings (H, W) of zero mean, best first."""
     period = find_period(rings)
     for finer in (1, 2):
         waves = measure_waves(rings, period, finer=finer)
         if len(waves.weight) < GEOMETRY:
             continue
-        starts = read_waves(waves, rings.shape)
+        starts = read_waves(waves, rings.shape, held)
         if starts:
             yield starts
-            yield scan_for_pith(rings, starts[0])
+            yield scan_for_pith(rings, starts[0], held)
 
 
-def read_waves(waves: LocalWaves, shape: tuple[int, ...]) -> list[Floats]:
+def read_waves(waves: LocalWaves, shape: tuple[int, ...], held: Held) -> list[Floats]:
     """Starts whose local waves are those measured in a picture of ``shape`` (H, W)."""
     height, width = shape
     length = np.hypot(*waves.wave.T)
@@ -54,49 +66,50 @@ def read_waves(waves: LocalWaves, shape: tuple[int, ...]) -> list[Floats]:
     across = _main_direction(waves)
     spacing = np.log(1 / np.quantile(length[sure], 0.8))
     begin = [
-        [axis * width, lean * middle * height, np.arcsin(lean), across + turn, spacing]
+        hold(np.array([axis * width, lean * middle * height, np.arcsin(lean), across + turn, spacing]), held)
         for turn in (0.0, np.pi / 2)
         for lean in _LEANS
         for axis in _AXES
         for middle in _MIDDLES
     ]
-    scale = np.array([width, height * 0.5, 0.3, 0.3, 0.3])
+    scale = loosen([width, height * 0.5, 0.3, 0.3, 0.3], held)
     with jax.enable_x64():
         plank = Plank(*(jnp.asarray(each) for each in waves.place.T))
         unit = float(np.median(length[sure])) ** -2
         seen = jnp.asarray(square_waves(jnp.asarray(waves.wave))) * unit
         ends, costs = jax.device_get(
-            _solve_waves(jnp.asarray(begin), jnp.asarray(scale), plank, seen, jnp.asarray(waves.weight), unit)
+            _solve_waves(jnp.asarray(np.array(begin)), jnp.asarray(scale), plank, seen, jnp.asarray(waves.weight), unit)
         )
     order = np.argsort(np.where(np.isfinite(costs), costs, np.inf))
     best = costs[order[0]]
     # Rings finer than pixels tell, or wider than the picture, are the way out of fits that find none.
     spaced = (np.log(FINEST) <= ends[:, 4]) & (ends[:, 4] <= np.log(max(shape)))
-    return _differing(canonical_rings(ends[n])[0] for n in order if costs[n] <= _WORTH * best + 1.0 and spaced[n])
+    worth = [n for n in order if costs[n] <= _WORTH * best + 1.0 and spaced[n]]
+    return _differing(ends[n] if held else canonical_rings(ends[n])[0] for n in worth)
 
 
-def scan_for_pith(rings: Floats, start: Floats) -> list[Floats]:
+def scan_for_pith(rings: Floats, start: Floats, held: Held) -> list[Floats]:
     """Starts with the axis inside the picture (H, W), rotation and spacing being those of a ``start``."""
     height, width = rings.shape
     spacing = float(np.exp(start[4]))
-    step = max(1, int(spacing / 6))
+    step = max(2, int(spacing / 6))
     smooth = ndimage.gaussian_filter(rings, step / 2)[step // 2 :: step, step // 2 :: step]
     u, v = lay_plank(height, width, step)
     rows, columns = (_BLOCKS * n // whole for n, whole in zip(np.indices(smooth.shape), smooth.shape, strict=True))
     reach = float(np.hypot(height, width)) / 2
     places = [
-        [axis, lean * middle, np.arcsin(lean), start[3], start[4]]
+        hold(np.array([axis, lean * middle, np.arcsin(lean), start[3], start[4]]), held)
         for lean in _PITH_LEANS
         for middle in np.linspace(-reach, reach, 9)
-        for axis in np.arange(-reach, reach, spacing / 3)
+        for axis in np.arange(-reach, reach, max(spacing / 3, reach / _MOST_AXES))
     ]
     # Their number depends on the spacing; few lengths share few compilations.
     places += places[:1] * (-len(places) % 2048)
     with jax.enable_x64():
         plank = Plank(jnp.asarray(u.ravel()), jnp.asarray(v.ravel()))
         parts = jnp.asarray((_BLOCKS * rows + columns).ravel())
-        scores = jax.device_get(_score_places(jnp.asarray(places), plank, jnp.asarray(smooth.ravel()), parts))
-    return _differing(canonical_rings(np.array(places[n]))[0] for n in np.argsort(-scores))
+        scores = jax.device_get(_score_places(jnp.asarray(np.array(places)), plank, jnp.asarray(smooth.ravel()), parts))
+    return _differing(places[n] if held else canonical_rings(places[n])[0] for n in np.argsort(-scores))
 
 
 @jax.jit

@@ -33,10 +33,15 @@ class LocalWaves(NamedTuple):
     weight: Array
 
 
+def flatten_light(pixels: NDArray[np.floating]) -> Array:
+    """Lightness (H, W), 0 to 100, of a linear picture (H, W, 1 or 3), less the slow illumination."""
+    light = lightness(pixels).astype(float)
+    return light - ndimage.gaussian_filter(light, max(light.shape) / 8, mode="nearest")
+
+
 def find_early_wood(pixels: NDArray[np.floating]) -> NDArray[np.bool_]:
     """Mask (H, W) of early wood, the lighter, in a linear picture (H, W, 1 or 3), its light evened out."""
-    light = lightness(pixels)
-    even = light - ndimage.gaussian_filter(light, max(light.shape) / 8, mode="nearest")
+    even = flatten_light(pixels)
     return even > threshold_otsu(even)
 
 

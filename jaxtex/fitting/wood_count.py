@@ -1,0 +1,202 @@
+"""Least squares of the model's count of rings against the one read off a photograph.
+
+Rings were counted from anywhere, so where the count begins is free as well. Straight rings and bent ones are both
+tried. Bent ones must explain clearly more, and agree better with the directions of the grain: rings are of uneven
+width and wavy, and neither is to pass for the roundness of a trunk.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optimistix as optx
+from jax import Array
+from numpy.typing import NDArray
+
+from jaxtex.fitting.rings import GEOMETRY, Held, Plank, hold, lay_plank, ring_count, ring_distance
+from jaxtex.fitting.wood_grain import Grain
+from jaxtex.photo.directions import compare_directions
+
+Floats = NDArray[np.float64]
+
+_STEP = 8  # every so many pixels along a side are fitted to
+_TOGETHER = 64  # pixels along which grain strays together: what lies within counts as one observation
+_OUTLIER = 1.0  # rings
+_ROTATION = np.radians(2.0)  # how far a board's rings may be turned against its fibres
+_TILTS = np.arcsin([0.02, 0.1, 0.4])
+_AXES = (-1.5, -0.6, 0.6, 1.5)  # picture widths from the middle
+_END_GRAIN = np.pi / 2
+_BENT = 0.04  # by which bent rings must agree better with the grain's directions
+_MORE = 3  # numbers of bent rings that straight ones do not have
+
+_SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-5, atol=1e-5)
+
+
+class CountedRings(NamedTuple):
+    """``free`` (5,) as :mod:`jaxtex.fitting.rings` has it; its ``covariance`` (5, 5), infinite for what straight grain
+    does not tell; ``rings`` (H, W), those seen, counted as the model counts them."""
+
+    free: Floats
+    covariance: Floats
+    rings: Floats
+
+
+class _Start(NamedTuple):
+    """``free`` (5,); ``loose`` (5,), True where a number may move; ``sense``, -1 where rings are counted inwards."""
+
+    free: Floats
+    loose: NDArray[np.bool_]
+    sense: float
+
+
+class _Problem(NamedTuple):
+    start: Array  # (6,): the vector, and where the count begins
+    scale: Array  # (6,), 0 for what is held
+    plank: Plank
+    seen: Array
+    weight: Array
+    turn: Array  # where rotation is expected
+    stiff: Array  # what a radian off it costs
+
+
+class _End(NamedTuple):
+    vector: Floats  # (6,)
+    cost: float
+    curvature: Floats
+    start: _Start
+
+
+def fit_count(grain: Grain, held: Held) -> CountedRings:
+    """Fit the rings that were counted in a photograph; held numbers stay."""
+    independent = max(grain.rings.size / _TOGETHER**2, 2.0 * GEOMETRY)
+    starts = [_held(start, held) for start in _list_bent(grain)]
+    bent = min((_solve(grain, start, independent) for start in starts), key=lambda end: end.cost)
+    if grain.pith is not None or grain.across is None or {0, 1, 2} & held.keys():
+        return _settle(grain, bent, independent)
+    straight = _solve(grain, _held(_straight(grain), held), independent)
+    worth = np.exp(_MORE * np.log(independent) / independent)  # by Schwarz's criterion
+    agreement = [compare_directions(grain.directions, _distance(grain, end.vector))[0] for end in (straight, bent)]
+    clearly = bent.cost * worth < straight.cost and agreement[1] > agreement[0] + _BENT
+    return _settle(grain, bent if clearly else straight, independent)
+
+
+def _straight(grain: Grain) -> _Start:
+    """Rings of a trunk whose axis lies just beside the picture, along the plank."""
+    turn = _across(grain)
+    height, width = grain.rings.shape
+    edge = 0.5 * (abs(np.cos(turn)) * width + abs(np.sin(turn)) * height)
+    free = np.array([-edge - grain.spacing, 0.0, 0.0, turn, np.log(grain.spacing)])
+    return _Start(free, np.array([False, False, False, True, True]), 1.0)
+
+
+def _held(start: _Start, held: Held) -> _Start:
+    return start._replace(free=hold(start.free, held), loose=start.loose & [n not in held for n in range(GEOMETRY)])
+
+
+def _list_bent(grain: Grain) -> list[_Start]:
+    spacing, turn, width = np.log(grain.spacing), _across(grain), max(grain.rings.shape)
+    end_grain = np.array([True, True, False, False, True])
+    if grain.pith is not None:
+        # Rays and rings together tell the pith better than rings do that were counted on weathered wood.
+        pith, rotation = grain.pith, grain.across or 0.0
+        xc = pith.u * np.cos(rotation) + pith.v * np.sin(rotation)
+        yc = np.sin(pith.tilt) * (pith.v * np.cos(rotation) - pith.u * np.sin(rotation))
+        spaced = np.array([False, False, False, False, True])
+        return [_Start(np.array([xc, yc, pith.tilt, rotation, spacing]), spaced, 1.0)]
+    if grain.across is None:
+        toward = np.array([np.cos(turn), np.sin(turn)])
+        return [
+            _Start(np.array([*(axis * width * toward), _END_GRAIN, 0.0, spacing]), end_grain, -np.sign(axis))
+            for axis in _AXES
+        ]
+    return [
+        _Start(np.array([axis * width, 0.0, tilt, turn, spacing]), np.full(GEOMETRY, True), -np.sign(axis))
+        for axis in _AXES
+        for tilt in _TILTS
+    ]
+
+
+def _across(grain: Grain) -> float:
+    """Across the rings, so that their count rises along (cos, sin)."""
+    down, right = (float(slope.mean()) for slope in np.gradient(grain.rings))
+    if grain.across is None:
+        return float(np.arctan2(down, right))
+    rises = np.cos(grain.across) * right + np.sin(grain.across) * down >= 0
+    return grain.across if rises else grain.across + np.pi
+
+
+def _count_from(grain: Grain, sense: float) -> Floats:
+    """The rings counted outwards; counted the other way, late wood still lies before the whole number."""
+    return grain.rings if sense > 0 else 0.5 - grain.rings
+
+
+def _distance(grain: Grain, vector: Floats) -> Floats:
+    u, v = lay_plank(*grain.rings.shape)
+    with jax.enable_x64():
+        plank = Plank(jnp.asarray(u.ravel()), jnp.asarray(v.ravel()))
+        return np.asarray(ring_distance(jnp.asarray(vector), plank)[0]).reshape(u.shape)
+
+
+def _solve(grain: Grain, start: _Start, independent: float, begin: float | None = None) -> _End:
+    """Where a start ends; the count begins at ``begin``, or wherever fits best."""
+    height, width = grain.rings.shape
+    near = np.s_[_STEP // 2 :: _STEP, _STEP // 2 :: _STEP]
+    seen = _count_from(grain, start.sense)[near].ravel()
+    size = 2 / max(height, width)
+    loose = np.append(start.loose, begin is None)
+    scale = np.array([1.0, 1.0, size, size, size, 1 / grain.spacing]) * loose
+    with jax.enable_x64():
+        plank = Plank(*(jnp.asarray(each.ravel()) for each in lay_plank(height, width, _STEP)))
+        if begin is None:
+            begin = float(np.median(seen - np.asarray(ring_count(jnp.asarray(start.free), plank))))
+        fibres = 0.0 if grain.across is None else np.sqrt(len(seen) / independent) / _ROTATION
+        problem = _Problem(
+            start=jnp.asarray([*start.free, begin]),
+            scale=jnp.asarray(scale),
+            plank=plank,
+            seen=jnp.asarray(seen),
+            weight=jnp.asarray(grain.clear[near].ravel().astype(float)),
+            turn=jnp.asarray(start.free[3] if grain.across is None else _across(grain)),
+            stiff=jnp.asarray(fibres * grain.spacing / max(height, width)),
+        )
+        vector, cost, curvature = jax.device_get(_least_squares(problem))
+    cost = float(cost) if np.isfinite(vector).all() else np.inf
+    return _End(np.asarray(vector), cost, np.asarray(curvature), start)
+
+
+def _settle(grain: Grain, end: _End, independent: float) -> CountedRings:
+    """From where the count begins to whole rings: the remainder is for the axis to take up."""
+    begin, bent = float(np.round(end.vector[5])), bool(end.start.free[2])
+    free = end.vector[:GEOMETRY].copy()
+    if bent:
+        end = _solve(grain, end.start._replace(free=free), independent, begin)
+        free = end.vector[:GEOMETRY]
+    else:
+        free[0] -= (end.vector[5] - begin) * np.exp(free[4])
+    points = max(len(range(_STEP // 2, n, _STEP)) for n in grain.rings.shape) ** 2
+    spread = np.linalg.pinv(end.curvature, hermitian=True) * end.cost / points * max(points / independent, 1.0)
+    covariance = spread[:GEOMETRY, :GEOMETRY]
+    if not bent:
+        covariance[np.arange(3), np.arange(3)] = np.inf
+    return CountedRings(free, covariance, _count_from(grain, end.start.sense) - begin)
+
+
+@jax.jit
+def _least_squares(problem: _Problem) -> tuple[Array, Array, Array]:
+    """The vector (6,), the cost, and the curvature (6, 6) in the vector's own units."""
+    answer: optx.Solution = optx.least_squares(
+        _residuals, _SOLVER, jnp.zeros_like(problem.start), problem, max_steps=60, throw=False
+    )
+    residuals = _residuals(answer.value, problem)
+    rows = jax.jacfwd(_residuals)(answer.value, problem) / jnp.where(problem.scale > 0, problem.scale, jnp.inf)
+    return problem.start + answer.value * problem.scale, jnp.sum(residuals**2), rows.T @ rows
+
+
+def _residuals(step: Array, problem: _Problem) -> Array:
+    vector = problem.start + step * problem.scale
+    aside = (ring_count(vector[:GEOMETRY], problem.plank) + vector[GEOMETRY] - problem.seen) * problem.weight
+    aside = aside * jax.lax.rsqrt(1.0 + (aside / _OUTLIER) ** 2)
+    # What is held costs a little to move: it makes no difference, and leaves no direction without a slope.
+    idle = 1e-3 * step * (problem.scale == 0)
+    return jnp.concatenate([aside, problem.stiff * (vector[3:4] - problem.turn), idle])

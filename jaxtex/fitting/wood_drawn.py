@@ -1,0 +1,132 @@
+"""Rings as clean as a drawing's -> the model's numbers, to a fraction of a pixel.
+
+Every pixel of the mask counts here. Where turbulence displaces the rings, that is estimated together with them.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from jaxtex.fitting.rings import GEOMETRY, Held, canonical_rings, hold
+from jaxtex.fitting.verdict import mean_iou
+from jaxtex.fitting.wood_outcome import Seen, is_early
+from jaxtex.fitting.wood_phase import compare_rings, follow_rings
+from jaxtex.fitting.wood_solve import Rings, fit_mask
+from jaxtex.fitting.wood_start import list_starts
+from jaxtex.fitting.wood_turbulence import fit_turbulence
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_FOUND = 0.1  # share of the mask's variance left, below which no other start is looked for
+_FOLLOWED = 0.9  # overlap of the mask with displaced rings, above which none is either
+_TRIED = 2  # starts of each batch whose mask is fitted
+_MOVES = 4  # towards a given middle of the ellipses
+_RIGID = 0.2  # pixels: rings displaced by less are not
+_HOPELESS = 0.55  # overlap that none of the first starts has where there are no rings
+_CLEAR = 0.7  # overlap, at least, of rings that have been found
+
+
+class _Found(NamedTuple):
+    rings: Rings
+    seen: Floats
+    clear: Mask
+    overlap: float
+
+
+def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) -> Seen | None:
+    """Fit rings to a mask of early wood (H, W), 0 to 1; None where they do not explain it.
+
+    The ``middle`` (u, v) of the rings' ellipses may be known.
+    """
+    found = _find_rings(early, held)
+    if found is not None and middle is not None:
+        found, held = _move_to(early, found, held, middle)
+    if found is None or found.overlap < _CLEAR:
+        return None
+    free, covariance, turbulence = found.rings.free.copy(), found.rings.covariance.copy(), (0.0, 0.0)
+    fitted = fit_turbulence(found.seen, found.clear, free[:GEOMETRY], held)
+    if fitted is not None:
+        turbulence = fitted.rms, fitted.frequency
+        if fitted.rms > _RIGID:
+            free[:GEOMETRY] = fitted.free
+            covariance = np.zeros((len(free),) * 2)
+            covariance[:GEOMETRY, :GEOMETRY] = fitted.covariance
+            if GEOMETRY not in held:
+                free[GEOMETRY], covariance[GEOMETRY, GEOMETRY] = _read_share(early, found)
+    written, signs = canonical_rings(free)
+    return Seen(
+        early=early > 0.5,
+        free=written,
+        covariance=covariance * np.outer(signs, signs),
+        rings=found.seen,
+        clear=found.clear,
+        turbulence=turbulence,
+    )
+
+
+def _find_rings(early: Floats, held: Held) -> _Found | None:
+    """The best rings for a mask of early wood (H, W): start after start, until one explains the mask."""
+    share = float(early.mean())
+    logit = held.get(GEOMETRY, float(np.log(share / (1 - share))))
+    best: _Found | None = None
+    for number, starts in enumerate(list_starts(early - share, held)):
+        followed = sorted((follow_rings(early - share, start, held) for start in starts), key=lambda each: -each[1])
+        for free, _ in followed[:_TRIED]:
+            found = _try(early, np.append(free[:GEOMETRY], logit), held)
+            if found is not None and (best is None or found.overlap > best.overlap):
+                best = found
+        if best is not None and (best.rings.unexplained < _FOUND or best.overlap > _FOLLOWED):
+            break
+        if number == 1 and (best is None or best.overlap < _HOPELESS):
+            break
+    return best
+
+
+def _move_to(early: Floats, found: _Found, held: Held, middle: tuple[float, float]) -> tuple[_Found, Held]:
+    """The rings found, moved until their ellipses have a given middle (u, v), and the axis held that this means."""
+    for _ in range(_MOVES):
+        free = found.rings.free
+        c, s, lean = np.cos(free[3]), np.sin(free[3]), np.sin(free[2])
+        axis = {0: middle[0] * c + middle[1] * s, 1: lean * (middle[1] * c - middle[0] * s)}
+        placed = follow_rings(early - early.mean(), hold(free[:GEOMETRY], axis), {**held, **axis})[0]
+        found = _try(early, np.append(placed, free[GEOMETRY]), {**held, **axis}) or found
+    return found, {**held, **axis}
+
+
+def _try(early: Floats, free: Floats, held: Held) -> _Found | None:
+    """The rings of a vector (6,) on the mask: as they stand where that explains it, else displaced."""
+    rings = fit_mask(early, free, held)
+    if not np.isfinite(rings.free).all() or rings.unexplained > _FOUND:
+        # Least squares on the mask may have left the rings that were followed.
+        rings = rings._replace(free=free)
+    if not np.isfinite(free).all():
+        return None
+    spacing = float(np.exp(rings.free[4]))
+    off, strength, count = compare_rings(early - early.mean(), rings.free, blur=0.5 * spacing)
+    # Where no ring is seen, its neighbours tell.
+    weight = ndimage.gaussian_filter(strength**2, spacing) + 1e-9
+    seen = count + ndimage.gaussian_filter(off * strength**2, spacing) / weight
+    overlap = mean_iou(early > 0.5, is_early(seen, rings.free[GEOMETRY]))
+    return _Found(rings, seen, _where_clear(strength, count, spacing), overlap)
+
+
+def _where_clear(strength: Floats, count: Floats, spacing: float) -> Mask:
+    """Where the count can be trusted (H, W): away from the border and the pith, and where rings pass fast enough."""
+    clear = np.zeros(count.shape, bool)
+    margin = min(int(spacing), min(count.shape) // 4)
+    clear[margin:-margin, margin:-margin] = True
+    # Where rings pass slowly, the blur that parts them from their mirror image is too small.
+    slope = np.hypot(*np.gradient(count)) * spacing
+    return clear & (count > 2.0) & (slope > 0.7) & (strength > 0.3 * strength.max())
+
+
+def _read_share(early: Floats, found: _Found) -> tuple[float, float]:
+    """Logit of the share of early wood, and its variance: as much of each ring as the mask has of it."""
+    aside = np.abs((found.seen - 0.25 + 0.5) % 1 - 0.5)[found.clear] * 2
+    share = float(np.clip(early[found.clear].mean(), 1e-3, 1 - 1e-3))
+    fraction = float(np.clip(np.quantile(aside, share), 1e-3, 1 - 1e-3))
+    rings = max(float(np.ptp(found.seen[found.clear])), 1.0)
+    return float(np.log(fraction / (1 - fraction))), 1e-2 / rings / (fraction * (1 - fraction)) ** 2 * 0.01

@@ -1,0 +1,141 @@
+"""What was seen of the rings -> the fitted `Wood`, its standard errors, and what the picture does not tell."""
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.typing import ArrayLike
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from jaxtex.fitting.rings import GEOMETRY, Plank, lay_plank, ring_count
+from jaxtex.models.wood import Wood, make_wood
+
+Floats = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+# A parameter is determined where its standard error is at most this.
+_TOLD = {"tilt_deg": 5.0, "rotation_deg": 5.0, "early_fraction": 0.1}
+_TOLD_RINGS = {"center": 0.5, "ring_spacing": 0.1}  # in ring spacings
+
+
+class Seen(NamedTuple):
+    """What one of the ways of reading a picture (H, W) at working size came to.
+
+    ``early`` (H, W): the mask of early wood; ``free`` (6,) as :mod:`jaxtex.fitting.rings` has it, canonical;
+    ``covariance`` (6, 6), infinite for what the picture does not tell; ``rings`` (H, W): those seen, as the model
+    counts them; ``clear`` (H, W): where that can be trusted; ``turbulence``: root mean square, pixels, and frequency,
+    cycles per pixel, of the displacement.
+    """
+
+    early: Mask
+    free: Floats
+    covariance: Floats
+    rings: Floats
+    clear: Mask
+    turbulence: tuple[float, float]
+
+
+def is_early(count: Floats, logit: float) -> Mask:
+    """Which places (H, W) are early wood, by their ring count and the logit of early wood's share."""
+    return np.sin(2 * np.pi * count) > np.cos(np.pi / (1 + np.exp(-logit)))
+
+
+def model_count(free: Floats, shape: tuple[int, ...]) -> Floats:
+    """The rings (H, W) of a vector, without turbulence."""
+    u, v = lay_plank(*shape)
+    with jax.enable_x64():
+        plank = Plank(jnp.asarray(u.ravel()), jnp.asarray(v.ravel()))
+        return np.asarray(_count(jnp.asarray(free[:GEOMETRY]), plank)).reshape(shape)
+
+
+def read_displacement(count: Floats, free: Floats) -> Floats:
+    """By how many pixels the rings counted (H, W) lie further out than a vector's."""
+    # Rings further out are those that, counted, are fewer at the same place.
+    return (count - model_count(free, count.shape)) * float(np.exp(free[4]))
+
+
+def measure_displacement(displacement: Floats, clear: Mask) -> tuple[float, float]:
+    """Root mean square (pixels) and mean frequency (cycles per pixel) of a displacement (H, W) where it is clear, its
+    mean left aside."""
+    if not clear.any():
+        return 0.0, 0.0
+    height, width = displacement.shape
+    free = np.where(clear, displacement - displacement[clear].mean(), 0.0)
+    power = np.abs(np.fft.rfft2(free * np.outer(np.hanning(height), np.hanning(width)))) ** 2
+    radius = np.hypot(np.fft.fftfreq(height)[:, None], np.fft.rfftfreq(width)[None])
+    return float(free[clear].std()), float((radius * power).sum() / max(float(power.sum()), 1e-30))
+
+
+def read_colours(picture: NDArray[np.float32], early: Mask) -> tuple[Floats, Floats]:
+    """Linear colours (3,) of early and late wood: the middle half of each, away from their borders (section 3.1)."""
+    return _middle_colour(picture, early, dark=False), _middle_colour(picture, ~early, dark=True)
+
+
+def wood_of(free: Floats, turbulence: tuple[float, float], colours: tuple[Floats, Floats], *, scale: float) -> Wood:
+    """The wood of a vector (6,) in pixels that are ``scale`` times as large as the photograph's."""
+    xc, yc, tilt, rotation, log_spacing, logit = free
+    rms, frequency = turbulence
+    return make_wood(
+        center=(xc * scale, yc * scale),
+        tilt=tilt,
+        rotation=rotation,
+        ring_spacing=np.exp(log_spacing) * scale,
+        early_fraction=1 / (1 + np.exp(-logit)),
+        early_rgb=colours[0],
+        late_rgb=colours[1],
+        turbulence_rms=rms * scale,
+        turbulence_frequency=frequency / scale,
+    )
+
+
+def standard_errors(seen: Seen, *, scale: float) -> dict[str, Any]:
+    """One standard deviation of each parameter under its name in model files; None where the picture does not tell."""
+    sigma = np.sqrt(np.maximum(np.diag(seen.covariance), 0.0))
+    fraction = 1 / (1 + np.exp(-seen.free[GEOMETRY]))
+    spacing = np.exp(seen.free[4]) * scale
+    units = (scale, scale, np.degrees(1.0), np.degrees(1.0), spacing, fraction * (1 - fraction))
+    xc, yc, tilt, rotation, spaced, early = (
+        float(one * unit) if np.isfinite(one) else None for one, unit in zip(sigma, units, strict=True)
+    )
+    return {
+        "center": [xc, yc],
+        "tilt_deg": tilt,
+        "rotation_deg": rotation,
+        "ring_spacing": spaced,
+        "early_fraction": early,
+    }
+
+
+def what_is_told(errors: dict[str, Any], wood: Wood) -> dict[str, bool]:
+    """By a parameter's name, whether the picture tells it."""
+    spacing = float(wood.ring_spacing)
+    limits = _TOLD | {name: rings * spacing for name, rings in _TOLD_RINGS.items()}
+
+    def told(name: str) -> bool:
+        numbers = errors[name] if isinstance(errors[name], list) else [errors[name]]
+        return all(number is not None and number <= limits[name] for number in numbers)
+
+    turbulent = float(wood.turbulence_rms) > 0
+    names = ("center", "tilt_deg", "rotation_deg", "ring_spacing", "early_fraction")
+    return {name: told(name) for name in names} | {
+        "early_rgb": True,
+        "late_rgb": True,
+        "turbulence_rms": True,
+        "turbulence_frequency": turbulent,
+    }
+
+
+def _middle_colour(picture: NDArray[np.float32], mask: Mask, *, dark: bool) -> Floats:
+    inner = ndimage.binary_erosion(mask, iterations=1)
+    pixels = picture[inner if inner.sum() > 100 else mask]
+    light = pixels.mean(axis=1)
+    # The borders between both kinds are mixed: the paper's quartiles lie well inside each of them.
+    pure = light <= np.median(light) if dark else light >= np.median(light)
+    return np.broadcast_to(np.median(pixels[pure], axis=0), 3).astype(float)
+
+
+@jax.jit
+def _count(free: ArrayLike, plank: Plank) -> jax.Array:
+    return ring_count(jnp.asarray(free), plank)
