@@ -21,19 +21,35 @@ Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _FOUND = 0.1  # share of the mask's variance left, below which no other start is looked for
-_FOLLOWED = 0.9  # overlap of the mask with displaced rings, above which none is either
+_FOLLOWED = 0.9  # overlap of the mask with displaced rings, above which none is either,
+_STRAYED = 0.25  # if these are displaced by less than so many rings
 _TRIED = 2  # starts of each batch whose mask is fitted
 _MOVES = 4  # towards a given middle of the ellipses
 _RIGID = 0.2  # pixels: rings displaced by less are not
 _HOPELESS = 0.55  # overlap that none of the first starts has where there are no rings
+_STEEPEST = 0.4  # pixels of displacement from one pixel to the next: displaced more steeply, any rings would do
 _CLEAR = 0.7  # overlap, at least, of rings that have been found
 
 
 class _Found(NamedTuple):
+    """``rings``, those of the model; ``seen`` (H, W), which ring each place belongs to; ``clear`` (H, W), where that
+    can be trusted; ``overlap`` of these with the mask; ``strayed``, by how many rings they typically differ."""
+
     rings: Rings
     seen: Floats
     clear: Mask
     overlap: float
+    strayed: float
+
+    def is_good(self) -> bool:
+        """Whether no other start need be looked for."""
+        return self.rings.unexplained < _FOUND or (self.overlap > _FOLLOWED and self.strayed < _STRAYED)
+
+    def worse_than(self, other: "_Found") -> bool:
+        """Whether another explains the mask better; or as well, with rings that stray less."""
+        if min(self.overlap, other.overlap) > _FOLLOWED:
+            return other.strayed < self.strayed
+        return other.overlap > self.overlap
 
 
 def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) -> Seen | None:
@@ -76,9 +92,9 @@ def _find_rings(early: Floats, held: Held) -> _Found | None:
         followed = sorted((follow_rings(early - share, start, held) for start in starts), key=lambda each: -each[1])
         for free, _ in followed[:_TRIED]:
             found = _try(early, np.append(free[:GEOMETRY], logit), held)
-            if found is not None and (best is None or found.overlap > best.overlap):
+            if found is not None and (best is None or best.worse_than(found)):
                 best = found
-        if best is not None and (best.rings.unexplained < _FOUND or best.overlap > _FOLLOWED):
+        if best is not None and best.is_good():
             break
         if number == 1 and (best is None or best.overlap < _HOPELESS):
             break
@@ -108,9 +124,12 @@ def _try(early: Floats, free: Floats, held: Held) -> _Found | None:
     off, strength, count = compare_rings(early - early.mean(), rings.free, blur=0.5 * spacing)
     # Where no ring is seen, its neighbours tell.
     weight = ndimage.gaussian_filter(strength**2, spacing) + 1e-9
-    seen = count + ndimage.gaussian_filter(off * strength**2, spacing) / weight
+    off = ndimage.gaussian_filter(off * strength**2, spacing) / weight
+    if np.median(np.hypot(*np.gradient(off))) * spacing > _STEEPEST:
+        return None
+    seen = count + off
     overlap = mean_iou(early > 0.5, is_early(seen, rings.free[GEOMETRY]))
-    return _Found(rings, seen, _where_clear(strength, count, spacing), overlap)
+    return _Found(rings, seen, _where_clear(strength, count, spacing), overlap, float(off.std()))
 
 
 def _where_clear(strength: Floats, count: Floats, spacing: float) -> Mask:

@@ -25,7 +25,8 @@ _FEWEST = 0.3  # of a cell's pixels must be clear
 _SPREAD = 0.3  # of the logarithm of frequencies, as in the model
 _WAVELENGTHS = np.geomspace(0.12, 1.2, 13)  # of the picture's longer side
 _NOISE = 0.03  # pixels: of a cell's mean, where nothing is seen to be worse
-_STEPS = 4
+_ROUNDS = 2  # of choosing the frequency
+_STEPS = 10
 
 
 class Turbulence(NamedTuple):
@@ -45,30 +46,40 @@ class _Cells(NamedTuple):
     rings: Floats
 
 
-def fit_turbulence(count: Floats, clear: Mask, free: Floats, held: Held) -> Turbulence | None:
-    """Fit rings and turbulence to the rings counted (H, W) where that is clear, from a vector (5,); None where too
+def fit_turbulence(rings: Floats, clear: Mask, free: Floats, held: Held) -> Turbulence | None:
+    """Fit rings and turbulence to the rings seen (H, W) where that is clear, from a vector (5,); None where too
     little is."""
-    cells = _average(count, clear)
+    cells = _average(rings, clear)
     if len(cells.rings) < 4 * GEOMETRY:
         return None
     loose = [n for n in range(GEOMETRY) if n not in held]
-    wavelengths = _WAVELENGTHS * max(count.shape)
+    wavelengths = _WAVELENGTHS * max(rings.shape)
     correlations = [correlate_turbulence(cells.place, 1 / each) for each in wavelengths]
     found = free[:GEOMETRY].copy()
-    for _ in range(_STEPS):
+    for _ in range(_ROUNDS):
         off, rows = _linearise(found, cells)
-        best = max((_likelihood(each, off, rows[:, loose]) for each in correlations), key=lambda fit: fit.likelihood)
-        if not np.isfinite(best.step).all():
-            return None
-        found[loose] -= best.step
-    number = next(n for n, each in enumerate(correlations) if each is best.correlation)
+        fits = [_likelihood(each, off, rows[:, loose]) for each in correlations]
+        number = int(np.argmax([fit.likelihood for fit in fits]))
+        found = _descend(found, cells, loose, fits[number])
     off, rows = _linearise(found, cells)
     covariance = np.zeros((GEOMETRY, GEOMETRY))
-    covariance[np.ix_(loose, loose)] = best.covariance
+    covariance[np.ix_(loose, loose)] = _likelihood(correlations[number], off, rows[:, loose]).covariance
     # What the rings took up of the displacement counts as well, as much as their numbers are uncertain.
     centred = rows - rows.mean(0)
     taken = np.einsum("nk,kl,nl->n", centred, covariance, centred).mean()
     return Turbulence(found, covariance, float(np.sqrt(off.var() + taken)), float(1 / wavelengths[number]))
+
+
+def bound_errors(free: Floats, shape: tuple[int, int], *, rms: float, frequency: float) -> Floats:
+    """The covariance (5, 5) that no unbiased estimate of a vector (5,) passes in a picture (H, W) whose rings are
+    displaced by turbulence (Cramér & Rao)."""
+    cells = _average(np.zeros(shape), np.ones(shape, bool))
+    cells = cells._replace(rings=_distance(free, cells.place) / np.exp(free[4]))
+    _, rows = _linearise(free, cells)
+    noise = (_NOISE / rms) ** 2 + 1e-4
+    factor = linalg.cholesky(correlate_turbulence(cells.place, frequency) + noise * np.eye(len(rows)), lower=True)
+    white = _whiten(factor, rows) / rms
+    return np.asarray(np.linalg.inv(white.T @ white), float)
 
 
 def correlate_turbulence(place: Floats, frequency: float) -> Floats:
@@ -84,40 +95,60 @@ def correlate_turbulence(place: Floats, frequency: float) -> Floats:
 
 class _Fit(NamedTuple):
     likelihood: float
-    step: Floats
     covariance: Floats
-    correlation: Floats
+    factor: Floats  # of the correlation of what is measured
 
 
 def _likelihood(correlation: Floats, off: Floats, rows: Floats) -> _Fit:
     """Generalised least squares of rows (N, K) to off (N,) under a correlation (N, N), whose strength follows."""
     number, numbers = rows.shape
-    scale = np.linalg.norm(rows, axis=0)
-    rows = rows / np.where(scale > 0, scale, 1.0)
     # Cells are means of a measurement that is itself uncertain, by a share of what it measures.
     noise = _NOISE**2 / max(float(off.var()), _NOISE**2) + 1e-4
     factor = linalg.cholesky(correlation + noise * np.eye(number), lower=True)
-    white = linalg.solve_triangular(factor, np.column_stack([off, rows]), lower=True)
-    normal = white[:, 1:].T @ white[:, 1:]
-    step = np.linalg.lstsq(normal, white[:, 1:].T @ white[:, 0], rcond=None)[0]
-    strength = float(((white[:, 0] - white[:, 1:] @ step) ** 2).sum()) / (number - numbers)
+    off, rows = _whiten(factor, off), _whiten(factor, rows)
+    scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-12)
+    normal = (rows / scale).T @ (rows / scale)
+    step = np.linalg.lstsq(rows / scale, off, rcond=None)[0]
+    strength = float(((off - rows / scale @ step) ** 2).sum()) / (number - numbers)
     _, log_normal = np.linalg.slogdet(normal)
     likelihood = -(number - numbers) * np.log(strength) - 2 * np.log(np.diag(factor)).sum() - log_normal
-    spread = np.where(scale > 0, 1 / np.where(scale > 0, scale, 1.0), 0.0)
-    covariance = strength * np.linalg.pinv(normal, hermitian=True) * np.outer(spread, spread)
-    return _Fit(float(likelihood), step * spread, covariance, correlation)
+    covariance = strength * np.linalg.pinv(normal, hermitian=True) / np.outer(scale, scale)
+    return _Fit(float(likelihood), covariance, factor)
 
 
-def _average(count: Floats, clear: Mask) -> _Cells:
-    height, width = count.shape
+def _descend(free: Floats, cells: _Cells, loose: list[int], fit: _Fit) -> Floats:
+    """A few steps of Levenberg and Marquardt from a vector (5,) towards the least squares of whitened displacement."""
+    off, rows = _linearise(free, cells)
+    cost, damping = float((_whiten(fit.factor, off) ** 2).sum()), 1e-4
+    for _ in range(_STEPS):
+        white, slopes = _whiten(fit.factor, off), _whiten(fit.factor, rows[:, loose])
+        scale = np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
+        normal = (slopes / scale).T @ (slopes / scale)
+        trial = free.copy()
+        trial[loose] -= np.linalg.solve(normal + damping * np.eye(len(loose)), (slopes / scale).T @ white) / scale
+        there = _linearise(trial, cells)
+        lower = float((_whiten(fit.factor, there[0]) ** 2).sum())
+        if lower < cost:
+            free, (off, rows), cost, damping = trial, there, lower, damping / 5
+        else:
+            damping *= 10
+    return free
+
+
+def _whiten(factor: Floats, rows: Floats) -> Floats:
+    return linalg.solve_triangular(factor, rows, lower=True)
+
+
+def _average(rings: Floats, clear: Mask) -> _Cells:
+    height, width = rings.shape
     side = max(1, -(-max(height, width) // _CELLS))
-    rows, columns = (np.arange(n) // side for n in count.shape)
+    rows, columns = (np.arange(n) // side for n in rings.shape)
     cell = (rows[:, None] * (columns[-1] + 1) + columns[None]).ravel()
     weight = clear.ravel().astype(float)
     v, u = np.mgrid[0:height, 0:width] + 0.5
     total, *sums = (
         np.bincount(cell, weight * each.ravel())
-        for each in (np.ones(count.shape), u - width / 2, v - height / 2, count)
+        for each in (np.ones(rings.shape), u - width / 2, v - height / 2, rings)
     )
     kept = total > _FEWEST * side**2
     x, y, mean = (each[kept] / total[kept] for each in sums)
@@ -130,6 +161,12 @@ def _linearise(free: Floats, cells: _Cells) -> tuple[Floats, Floats]:
         plank = Plank(*(jnp.asarray(each) for each in cells.place.T))
         off, rows = _off(jnp.asarray(free), plank, jnp.asarray(cells.rings))
         return np.asarray(off), np.asarray(rows)
+
+
+def _distance(free: Floats, place: Floats) -> Floats:
+    with jax.enable_x64():
+        plank = Plank(*(jnp.asarray(each) for each in place.T))
+        return np.asarray(ring_distance(jnp.asarray(free), plank)[0])
 
 
 @jax.jit
