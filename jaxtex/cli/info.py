@@ -8,6 +8,7 @@ import tyro
 
 if TYPE_CHECKING:
     from jaxtex.models.files import ModelFile, TilingFile
+    from jaxtex.models.floor_files import FloorFile
     from jaxtex.models.wood_files import WoodFile
 
 _LONGEST_LIST = 4  # entries shown in full
@@ -35,17 +36,20 @@ class Info:
         console = Console(highlight=False, markup=False)
         for line in _headlines(self.model, file):
             console.print(line)
-        console.print(_parameter_table(file, meaning=console.width >= _WIDE))
+        console.print(_table(file, meaning=console.width >= _WIDE))
         return 0
 
 
 def _headlines(path: Path, file: "ModelFile") -> list[str]:
     from jaxtex.models.files import TilingFile
+    from jaxtex.models.floor_files import FloorFile
 
     report, (width, height, sha256) = file.report, file.image
     tiling = file if isinstance(file, TilingFile) else None
+    floor = file if isinstance(file, FloorFile) else None
+    kind = "wood" if floor is None else f"a floor of {len(floor.planks)} planks"
     lines = [
-        f"{path}: {'wood' if tiling is None else f'a tiling in {tiling.tiling.bond} bond'}",
+        f"{path}: {kind if tiling is None else f'a tiling in {tiling.tiling.bond} bond'}",
         f"photograph: {width} x {height} pixels, sha256 {sha256[:16]}...",
         ": ".join(part for part in ("fit", "ok" if report["ok"] else "not ok", report["reason"]) if part),
     ]
@@ -69,7 +73,28 @@ def _appearance_lines(file: "TilingFile") -> list[str]:
     return [f"appearance (to be edited in the file): {', '.join(told)}"]
 
 
-def _parameter_table(file: "ModelFile", *, meaning: bool) -> Any:
+def _table(file: "ModelFile", *, meaning: bool) -> Any:
+    from jaxtex.models.floor_files import FloorFile
+
+    return _plank_table(file) if isinstance(file, FloorFile) else _parameter_table(file, meaning=meaning)
+
+
+def _plank_table(file: "FloorFile") -> Any:
+    """A line to each plank."""
+    import math
+
+    from rich.table import Table
+
+    table = Table("plank", "middle", "rings apart", "across the grain", "wood read off it", box=None, pad_edge=False)
+    for number, plank in enumerate(file.planks):
+        x, y = plank.corners.mean(axis=0)
+        across = f"{math.degrees(float(plank.wood.rotation)):.0f} degrees"
+        spacing = _show(float(plank.wood.ring_spacing), 3)
+        table.add_row(str(number), f"{x:.0f} {y:.0f}", spacing, across, "yes" if plank.own else "no")
+    return table
+
+
+def _parameter_table(file: "TilingFile | WoodFile", *, meaning: bool) -> Any:
     from rich.table import Table
 
     from jaxtex.models.files import TilingFile

@@ -38,6 +38,8 @@ class Command(NamedTuple):
 # The whole command tree, in the order in which `jaxtex --help` shows it. Add a command by adding its line.
 COMMANDS = (
     Command("fit tiling", "jaxtex.cli.fit:Tiling", "fit a tiling model to a photograph and make its material maps"),
+    Command("fit wood", "jaxtex.cli.fit:Wood", "fit the rings of a trunk to a photograph of a plank, likewise"),
+    Command("fit floor", "jaxtex.cli.fit_floor:Floor", "find the planks of a floor or fence, and fit wood to each"),
     Command("render", "jaxtex.cli.render:Render", "make the material maps of a model file at any resolution"),
     Command("rectify", "jaxtex.cli.rectify:Rectify", "straighten a photograph from four corners"),
     Command("mask auto", "jaxtex.cli.mask:Auto", "make a mask of a tiled surface with nothing said"),

@@ -8,12 +8,13 @@ import tyro
 
 if TYPE_CHECKING:
     from jaxtex.models.files import TilingFile
+    from jaxtex.models.floor_files import FloorFile
 
 
 @dataclass(frozen=True, kw_only=True)
 class Render:
-    """Make the material maps of a model file: basecolor.png, height.exr, normal.png, roughness.png and, of a tiling,
-    tile_id.exr. Of wood, a block of voxels (--block) or a carved mesh (--mesh) instead.
+    """Make the material maps of a model file: basecolor.png, height.exr, normal.png, roughness.png and, of tilings
+    and floors, tile_id.exr. Of wood, a block of voxels (--block) or a carved mesh (--mesh) instead.
 
     Of a tiling, courses come out horizontal, without perspective. Tiles that the photograph shows have their own
     colours; others get colours like these. Of wood, pixels are square, and maps taller than the photograph show more
@@ -58,17 +59,31 @@ class Render:
         check_seed(self.seed)
 
         from jaxtex.models.files import TilingFile, load_model
+        from jaxtex.models.floor_files import FloorFile
 
         file = load_model(self.model)
         if isinstance(file, TilingFile):
             self._refuse({"--block": block, "--mesh": self.mesh}, "a tiling; it is for wood")
             self._render_tiling(file, size, tiles)
+        elif isinstance(file, FloorFile):
+            self._refuse({"--tiles": tiles, "--seamless": self.seamless or None}, "a floor")
+            self._refuse({"--block": block, "--mesh": self.mesh}, "a floor")
+            self._render_floor(file, size)
         else:
             self._refuse({"--tiles": tiles, "--seamless": self.seamless or None}, "wood, which has no tiles")
             render_wood_file(file, self.output, WoodTask(size=size, block=block, mesh=self.mesh))
         if not file.report["ok"]:
             print(f"  note: this model is a best guess; its fit did not succeed: {file.report['reason']}")
         return 0
+
+    def _render_floor(self, file: "FloorFile", size: tuple[int, int] | None) -> None:
+        from jaxtex.cli.results_floor import write_floor_maps
+        from jaxtex.io.files import prepare_folder
+
+        width, height = size or (file.image.width, file.image.height)
+        folder = prepare_folder(self.output)
+        write_floor_maps(folder, file, size=(width, height))
+        print(f"{folder}: maps of {width} x {height} pixels, {len(file.planks)} planks")
 
     def _refuse(self, options: dict[str, object], what: str) -> None:
         from jaxtex.core.errors import InputError

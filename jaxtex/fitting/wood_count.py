@@ -189,7 +189,7 @@ def _least_squares(problem: _Problem) -> tuple[Array, Array, Array]:
         _residuals, _SOLVER, jnp.zeros_like(problem.start), problem, max_steps=60, throw=False
     )
     residuals = _residuals(answer.value, problem)
-    rows = jax.jacfwd(_residuals)(answer.value, problem) / jnp.where(problem.scale > 0, problem.scale, jnp.inf)
+    rows = jax.jacfwd(_residuals)(answer.value, problem) / jnp.where(problem.scale > 0, problem.scale, jnp.inf)[None]
     return problem.start + answer.value * problem.scale, jnp.sum(residuals**2), rows.T @ rows
 
 

@@ -20,6 +20,9 @@ LONGEST_SIDE = 65_536
 # Rows and columns evaluated at a time: one shape for all sizes of maps, so that what is compiled once serves them all.
 _BLOCK = (128, 1024)
 
+BAND = _BLOCK[0]
+"""Rows of a band."""
+
 
 def check_sides(size: tuple[int, int]) -> None:
     """Refuse sizes of maps that cannot be made.

@@ -47,13 +47,41 @@ def draw_overlay(pixels: npt.ArrayLike, tiling: Tiling) -> npt.NDArray[np.float3
     breadth = max(1.2, _BREADTH * max(height, width))
     shared, origin, tips = _prepare(tiling, jnp.asarray(breadth), jnp.array([0.5 * width, 0.5 * height]))
     to_outline, to_middle = (np.asarray(part) for part in on_grid(eqx.Partial(_measure, shared), height, width))
-    _paint(shown, to_outline, 0.5 * breadth)
-    _paint(shown, to_middle, 1.5 * breadth)
+    paint_lines(shown, to_outline, 0.5 * breadth)
+    paint_lines(shown, to_middle, 1.5 * breadth)
     for tip, colour in zip(tips, (_ALONG, _ACROSS), strict=True):
-        _paint(
+        paint_lines(
             shown, _distance_to_arrow(np.asarray(origin), np.asarray(tip), breadth, (height, width)), breadth, colour
         )
     return shown
+
+
+def paint_lines(
+    shown: npt.NDArray[np.float32],
+    distance: npt.NDArray,
+    reach: npt.ArrayLike,
+    colour: npt.NDArray[np.float32] = _LINE,
+    *,
+    opacity: npt.ArrayLike = 1.0,
+) -> None:
+    """Colour what is near a line, anti-aliased, in place; with a darker rim of one more pixel.
+
+    Args:
+        shown: what to paint on, linear light, [row, col, 3].
+        distance: of each pixel from the line, in pixels, [row, col].
+        reach: half the line's breadth in pixels, one number or [row, col].
+        colour: (3,), linear light.
+        opacity: of the line, 0 to 1, one number or [row, col].
+
+    Examples:
+        >>> shown = np.ones((1, 4, 3), np.float32)
+        >>> paint_lines(shown, np.array([[0.0, 1.0, 2.0, 3.0]]), 0.5, np.zeros(3, np.float32))
+        >>> shown[0, :, 0].round(2)
+        array([0.  , 0.45, 1.  , 1.  ], dtype=float32)
+    """
+    for paint, strength, breadth in ((_CASING, 0.55, np.add(reach, 1.0)), (colour, 1.0, np.asarray(reach))):
+        cover = strength * np.asarray(opacity) * np.clip(breadth + 0.5 - distance, 0, 1)
+        shown += cover[..., None].astype(np.float32) * (paint - shown)
 
 
 @eqx.filter_jit
@@ -110,12 +138,3 @@ def _distance_to_segment(a: npt.NDArray, b: npt.NDArray, shape: tuple[int, int])
     along = ((x - a[0]) * direction[0] + (y - a[1]) * direction[1]) / max(float(direction @ direction), 1e-9)
     along = np.clip(along, 0, 1)
     return np.hypot(x - a[0] - along * direction[0], y - a[1] - along * direction[1])
-
-
-def _paint(
-    shown: npt.NDArray[np.float32], distance: npt.NDArray, reach: float, colour: npt.NDArray[np.float32] = _LINE
-) -> None:
-    """Colour what is nearer than `reach`, with a darker rim of one more pixel."""
-    for paint, opacity, breadth in ((_CASING, 0.55, reach + 1.0), (colour, 1.0, reach)):
-        cover = opacity * np.clip(breadth + 0.5 - distance, 0, 1)[..., None]
-        shown += cover.astype(np.float32) * (paint - shown)

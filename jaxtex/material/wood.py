@@ -101,6 +101,27 @@ def render_points(wood: Wood, points: npt.NDArray[np.floating], *, spot: float =
     return colours
 
 
+def look_at_plank(wood: Wood, points: npt.NDArray[np.floating], *, spot: float) -> WoodMaps:
+    """The maps at points of a plank's face.
+
+    Args:
+        wood: the model.
+        points: [point, 2], (u, v) from the plank's middle.
+        spot: as `render_points` has it.
+
+    Returns:
+        Maps whose one axis, before that of channels, is [point].
+    """
+    plank = _Plank(_in_single(wood), jnp.asarray(spot, jnp.float32))
+    parts = []
+    for first in range(0, max(len(points), 1), _CHUNK):
+        chunk = np.zeros((_CHUNK, 2), np.float32)
+        count = min(_CHUNK, len(points) - first)
+        chunk[:count] = points[first : first + count]
+        parts.append([np.asarray(each)[:count] for each in _look(plank, jnp.asarray(chunk))])
+    return WoodMaps(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+
+
 def render_block(wood: Wood, *, shape: tuple[int, int, int]) -> Iterator[npt.NDArray[np.float32]]:
     """Render a block of voxels, some at a time; a voxel is as large as a pixel of the photograph.
 
@@ -199,6 +220,14 @@ def _render_grid(plank: _Plank, x: Array, y: Array) -> WoodMaps:
         _mix(early, *_ROUGHNESS),
     )
     return WoodMaps(*map(np.asarray, maps))
+
+
+@eqx.filter_jit
+def _look(plank: _Plank, points: Array) -> tuple[Array, ...]:
+    early = jax.vmap(lambda point: _early(plank, point))(points)
+    height, slope = jax.vmap(lambda point: _height_and_slope(plank, point))(points)
+    colours = _mix(early[:, None], plank.wood.early_rgb[None], plank.wood.late_rgb[None])
+    return colours, height, normals_of(slope[:, 0], slope[:, 1]), _mix(early, *_ROUGHNESS)
 
 
 def _mix(early: Array, of_early: Array | float, of_late: Array | float) -> Array:

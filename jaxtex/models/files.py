@@ -17,6 +17,7 @@ from jaxtex.core.errors import InputError
 from jaxtex.models.canonical import canonical
 from jaxtex.models.envelope import SourceImage as SourceImage
 from jaxtex.models.envelope import plain, read_envelope, schema_of, write_envelope
+from jaxtex.models.floor_files import FloorFile, floor_content, floor_from_document
 from jaxtex.models.tiling import Tiling, make_tiling
 from jaxtex.models.wood_files import WoodFile, wood_content, wood_from_document
 
@@ -52,7 +53,7 @@ class TilingFile:
     versions: Mapping[str, str] | None = None
 
 
-ModelFile = TilingFile | WoodFile
+ModelFile = TilingFile | WoodFile | FloorFile
 
 
 def save_model(path: Path | str, file: ModelFile) -> None:
@@ -74,7 +75,7 @@ def save_model(path: Path | str, file: ModelFile) -> None:
         >>> float(load_model("wall.json").tiling.tile_width)
         60.0
     """
-    kind, content = ("wood", wood_content(file)) if isinstance(file, WoodFile) else ("tiling", _tiling_content(file))
+    kind, content = _content(file)
     write_envelope(path, kind, image=file.image, content=content, versions=file.versions, seed=file.seed)
 
 
@@ -82,7 +83,7 @@ def load_model(path: Path | str) -> ModelFile:
     """Read a model file.
 
     Returns:
-        A `TilingFile` or a `WoodFile`, as the file's `type` says.
+        A `TilingFile`, a `WoodFile` or a `FloorFile`, as the file's `type` says.
 
     Raises:
         InputError: there is no such file, it is damaged, of an unknown kind or version, or one of its entries is
@@ -91,6 +92,7 @@ def load_model(path: Path | str) -> ModelFile:
     readers: dict[str, Callable[[Mapping[str, Any]], ModelFile]] = {
         "tiling": _tiling_from_document,
         "wood": wood_from_document,
+        "floor": floor_from_document,
     }
     document = read_envelope(path, tuple(readers))
     try:
@@ -106,7 +108,8 @@ def need_tiling(file: ModelFile) -> TilingFile:
         InputError: it is that of another model.
     """
     if not isinstance(file, TilingFile):
-        raise InputError("this is a model of wood, which has no tiles; give a model of a tiling")
+        kind = "a floor" if isinstance(file, FloorFile) else "wood"
+        raise InputError(f"this is a model of {kind}, which has no tiles; give a model of a tiling")
     return file
 
 
@@ -161,6 +164,15 @@ def tiling_from_parameters(parameters: Mapping[str, Any]) -> Tiling:
 def tiling_schema() -> dict[str, Any]:
     """The JSON Schema of model files of tilings."""
     return schema_of("tiling")
+
+
+def _content(file: ModelFile) -> tuple[str, dict[str, Any]]:
+    """The kind of a model file, and what is its own."""
+    if isinstance(file, WoodFile):
+        return "wood", wood_content(file)
+    if isinstance(file, FloorFile):
+        return "floor", floor_content(file)
+    return "tiling", _tiling_content(file)
 
 
 def _tiling_content(file: TilingFile) -> dict[str, Any]:

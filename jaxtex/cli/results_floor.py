@@ -1,0 +1,64 @@
+"""What the fit of a floor leaves behind: one folder of files."""
+
+import math
+from pathlib import Path
+
+from jaxtex.cli.progress import progress
+from jaxtex.fitting.floor import FloorFit
+from jaxtex.io.images import Image, write_image
+from jaxtex.material.bands import count_bands
+from jaxtex.material.export import write_maps
+from jaxtex.material.floor import FloorMaps, draw_planks, render_floor
+from jaxtex.models.envelope import SourceImage
+from jaxtex.models.files import save_model
+from jaxtex.models.floor_files import FloorFile, PlacedWood
+from jaxtex.models.wood_files import wood_from_parameters, wood_parameters
+
+
+def describe_floor(photo: Image, fit: FloorFit, *, seed: int) -> FloorFile:
+    """A fit as a model file holds it."""
+    planks = tuple(
+        # A file keeps but the seed of the turbulence.
+        PlacedWood(plank.corners, wood_from_parameters(wood_parameters(plank.wood), seed=seed), plank.own)
+        for plank in fit.planks
+    )
+    report = {
+        "ok": fit.ok,
+        "reason": fit.reason,
+        "iou": None,
+        "start": None,
+        "standard_errors": {},
+        "across_deg": math.degrees(fit.turn) % 180,
+        "joints": fit.joints,
+        "evidence": fit.evidence,
+    }
+    return FloorFile(planks, SourceImage(photo.width, photo.height, photo.sha256), report, seed)
+
+
+def write_floor_fit(folder: Path, photo: Image, fit: FloorFit, *, size: tuple[int, int] | None, seed: int) -> FloorFile:
+    """Write model.json, overlay.png and the material maps into an existing folder.
+
+    Args:
+        folder: where to.
+        photo, fit, seed: as `describe_floor`.
+        size: (width, height) of the maps; None stands for the photograph's.
+
+    Raises:
+        InputError: no maps of this size can be made, or a file cannot be written.
+    """
+    file = describe_floor(photo, fit, seed=seed)
+    write_floor_maps(folder, file, size=size or (photo.width, photo.height))
+    write_image(folder / "overlay.png", draw_planks(photo.pixels, file.planks))
+    save_model(folder / "model.json", file)
+    return file
+
+
+def write_floor_maps(folder: Path, file: FloorFile, *, size: tuple[int, int]) -> None:
+    """Write the maps of a floor into an existing folder.
+
+    Raises:
+        InputError: as `render_floor` and `write_maps`.
+    """
+    bands = render_floor(file.planks, image=(file.image.width, file.image.height), size=size)
+    shown = progress(bands, "rendering maps", total=count_bands(size))
+    write_maps(folder, shown, size=size, fields=FloorMaps._fields)
