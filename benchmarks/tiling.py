@@ -6,26 +6,14 @@ python benchmarks/tiling.py --help
 
 import argparse
 import json
-import os
-import platform
-import shlex
-import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
-
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))
-
-Row = tuple[str, ...]
-Result = tuple[str, Row, list[Row]]
+from timing import Result, Row, rate, run, seconds, show, write_report
 
 
 def main() -> None:
@@ -47,7 +35,7 @@ def main() -> None:
         results = [part() for name, part in parts.items() if options.only in (None, name)]
     show(results)
     if options.only is None:
-        write_report(results)
+        write_report("tiling", "Speed of tilings", results)
 
 
 def fit_photo(path: Path | None) -> dict[str, float]:
@@ -84,17 +72,6 @@ def time_photo(path: Path | None, folder: Path) -> Result:
         ("jaxtex fit tiling PHOTO -o DIR", *(seconds(each) for each in whole), "-"),
     ]
     return "A photograph of 1024 x 1024", ("seconds", "cold", "kernels from the cache", "warm"), rows
-
-
-def run(command: list[str], cache: Path) -> tuple[float, str]:
-    """Wall-clock seconds and output of a new process that keeps its kernels in ``cache``."""
-    kernels = {"JAX_COMPILATION_CACHE_DIR": str(cache), "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0"}
-    began = time.perf_counter()
-    # A fit that did not succeed ends with 1, with all its results written.
-    ended = subprocess.run(command, env=os.environ | kernels, capture_output=True, text=True, check=False)
-    if ended.returncode > 1:
-        raise SystemExit(ended.stderr)
-    return time.perf_counter() - began, ended.stdout
 
 
 def time_batch(count: int) -> Result:
@@ -150,50 +127,6 @@ def time_render(size: int) -> Result:
         ("NumPy", f"{plain:.1f}", "1.0"),
     ]
     return f"Soft mask of {size} x {size}", ("model", "Mpixel/s", "against NumPy"), rows
-
-
-def rate(work: Callable[[], Any], amount: float) -> float:
-    began = time.perf_counter()
-    work()
-    return amount / (time.perf_counter() - began)
-
-
-def seconds(value: float) -> str:
-    return f"{value:.2f}"
-
-
-def show(results: list[Result]) -> None:
-    for title, head, rows in results:
-        table = Table(title=title)
-        for index, name in enumerate(head):
-            table.add_column(name, justify="left" if index == 0 else "right")
-        for row in rows:
-            table.add_row(*row)
-        Console().print(table)
-
-
-def write_report(results: list[Result]) -> None:
-    """The tables as a page beside this script, with what they were measured on."""
-    import jax
-
-    # Where a photograph lies is nobody's business.
-    command = "python benchmarks/tiling.py " + shlex.join(Path(word).name for word in sys.argv[1:])
-    versions = f"Python {platform.python_version()}, JAX {jax.__version__}, NumPy {np.__version__}"
-    lines = [f"Made by `{command.strip()}`.", "", f"{os.cpu_count()} cores, {processor()}; {versions}."]
-    for title, head, rows in results:
-        lines += ["", f"## {title}", "", "| " + " | ".join(head) + " |", "|---|" + "---:|" * (len(head) - 1)]
-        lines += ["| " + " | ".join(row) + " |" for row in rows]
-    name = f"tiling-{jax.default_backend()}.md"
-    (HERE / "results").mkdir(exist_ok=True)
-    (HERE / "results" / name).write_text("# Speed of tilings\n\n" + "\n".join(lines) + "\n")
-
-
-def processor() -> str:
-    described = Path("/proc/cpuinfo")
-    if not described.exists():
-        return platform.machine()
-    names = [line.split(":")[1].strip() for line in described.read_text().splitlines() if line.startswith("model name")]
-    return names[0] if names else platform.machine()
 
 
 if __name__ == "__main__":

@@ -19,8 +19,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from jaxtex.core.errors import InputError as InputError
     from jaxtex.fitting.batch import fit_tiling_masks as fit_tiling_masks
+    from jaxtex.fitting.floor import FloorFit as FloorFit
+    from jaxtex.fitting.floor import FloorPlank as FloorPlank
+    from jaxtex.fitting.floor import fit_floor as fit_floor
     from jaxtex.fitting.tiling import TilingFit as TilingFit
     from jaxtex.fitting.tiling import fit_tiling as fit_tiling
+    from jaxtex.fitting.wood import WoodFit as WoodFit
+    from jaxtex.fitting.wood import fit_wood as fit_wood
     from jaxtex.io.images import Image as Image
     from jaxtex.io.images import read_image as read_image
     from jaxtex.io.images import write_image as write_image
@@ -33,11 +38,14 @@ if TYPE_CHECKING:
     from jaxtex.material.appearance import Appearance as Appearance
     from jaxtex.material.appearance import appearance_of as appearance_of
     from jaxtex.material.export import write_maps as write_maps
+    from jaxtex.material.floor import FloorMaps as FloorMaps
+    from jaxtex.material.floor import render_floor as render_floor
     from jaxtex.material.maps import Maps as Maps
     from jaxtex.material.maps import render_maps as render_maps
     from jaxtex.material.measure import measure_appearance as measure_appearance
     from jaxtex.material.overlay import draw_overlay as draw_overlay
     from jaxtex.material.preview import shade_maps as shade_maps
+    from jaxtex.material.rings import draw_rings as draw_rings
     from jaxtex.material.sheet import Sheet as Sheet
     from jaxtex.material.sheet import lay_photographed_sheet as lay_photographed_sheet
     from jaxtex.material.sheet import lay_sheet as lay_sheet
@@ -51,6 +59,8 @@ if TYPE_CHECKING:
     from jaxtex.models.files import load_model as load_model
     from jaxtex.models.files import save_model as save_model
     from jaxtex.models.files import tiling_parameters as tiling_parameters
+    from jaxtex.models.floor_files import FloorFile as FloorFile
+    from jaxtex.models.floor_files import PlacedWood as PlacedWood
     from jaxtex.models.grids import coverage_grid as coverage_grid
     from jaxtex.models.tiling import Tiling as Tiling
     from jaxtex.models.tiling import make_tiling as make_tiling
@@ -109,6 +119,11 @@ _PUBLIC = {
     "fit_tiling": "jaxtex.fitting.tiling",
     "TilingFit": "jaxtex.fitting.tiling",
     "fit_tiling_masks": "jaxtex.fitting.batch",
+    "fit_wood": "jaxtex.fitting.wood",
+    "WoodFit": "jaxtex.fitting.wood",
+    "fit_floor": "jaxtex.fitting.floor",
+    "FloorFit": "jaxtex.fitting.floor",
+    "FloorPlank": "jaxtex.fitting.floor",
     # the model, its mask, its file
     "Tiling": "jaxtex.models.tiling",
     "make_tiling": "jaxtex.models.tiling",
@@ -117,6 +132,8 @@ _PUBLIC = {
     "coverage_grid": "jaxtex.models.grids",
     "TilingFile": "jaxtex.models.files",
     "WoodFile": "jaxtex.models.wood_files",
+    "FloorFile": "jaxtex.models.floor_files",
+    "PlacedWood": "jaxtex.models.floor_files",
     "SourceImage": "jaxtex.models.envelope",
     "load_model": "jaxtex.models.files",
     "save_model": "jaxtex.models.files",
@@ -138,8 +155,11 @@ _PUBLIC = {
     "render_points": "jaxtex.material.wood",
     "render_block": "jaxtex.material.wood",
     "carve_mesh": "jaxtex.material.wood",
+    "FloorMaps": "jaxtex.material.floor",
+    "render_floor": "jaxtex.material.floor",
     "write_maps": "jaxtex.material.export",
     "draw_overlay": "jaxtex.material.overlay",
+    "draw_rings": "jaxtex.material.rings",
     "shade_maps": "jaxtex.material.preview",
 }
 

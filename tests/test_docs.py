@@ -27,6 +27,8 @@ def test_links_between_documents_lead_somewhere(document: Path) -> None:
 def test_the_commands_in_the_readme_are_there() -> None:
     from jaxtex.cli.main import COMMANDS
 
-    shown = set(re.findall(r"^    jaxtex (\w+(?: tiling)?)", (ROOT / "README.md").read_text(encoding="utf-8"), re.M))
-    assert {"fit tiling", "render", "info", "demo"} <= shown
+    shown = set(
+        re.findall(r"^    jaxtex (\w+(?: tiling| wood)?)", (ROOT / "README.md").read_text(encoding="utf-8"), re.M)
+    )
+    assert {"fit tiling", "fit wood", "render", "info", "demo"} <= shown
     assert shown <= {command.words for command in COMMANDS} | {command.words.split()[0] for command in COMMANDS}

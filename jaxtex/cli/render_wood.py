@@ -37,10 +37,23 @@ def render_wood_file(file: "WoodFile", output: Path, task: WoodTask) -> None:
     elif task.mesh is not None:
         _write_carving(file, output, task.mesh)
     else:
-        _write_plank(file, output, task.size or (file.image.width, file.image.height))
+        size = task.size or (file.image.width, file.image.height)
+        write_plank(output, file, size=size)
+        scale = size[0] / file.image.width
+        print(f"{output}: maps of {size[0]} x {size[1]} pixels, {scale:g} to one of the photograph")
 
 
-def _write_plank(file: "WoodFile", output: Path, size: tuple[int, int]) -> None:
+def write_plank(folder: Path, file: "WoodFile", *, size: tuple[int, int]) -> None:
+    """Write the maps of the photographed plank into a folder, with a bar for a person who waits.
+
+    Args:
+        folder: where to; it is made if there is none.
+        file: the model.
+        size: (width, height) of the maps in pixels.
+
+    Raises:
+        InputError: as `render_wood`, `prepare_folder` and `write_maps`.
+    """
     from jaxtex.cli.progress import progress
     from jaxtex.io.files import prepare_folder
     from jaxtex.material.bands import count_bands
@@ -48,10 +61,8 @@ def _write_plank(file: "WoodFile", output: Path, size: tuple[int, int]) -> None:
     from jaxtex.material.wood import WoodMaps, render_wood
 
     bands = render_wood(file.wood, across=file.image.width, size=size)
-    folder = prepare_folder(output)
     shown = progress(bands, "rendering maps", total=count_bands(size))
-    write_maps(folder, shown, size=size, fields=WoodMaps._fields)
-    print(f"{folder}: maps of {size[0]} x {size[1]} pixels, {size[0] / file.image.width:g} to one of the photograph")
+    write_maps(prepare_folder(folder), shown, size=size, fields=WoodMaps._fields)
 
 
 def _write_block(file: "WoodFile", output: Path, shape: tuple[int, int, int]) -> None:

@@ -1,6 +1,7 @@
-"""What every fit leaves behind, from whichever command or script it came: one folder of files.
+"""What a fit of a tiling leaves behind, from whichever command or script it came: one folder of files.
 
-The one place where what was fitted and what it looks like come together: neither layer knows the other.
+Here and in the modules named after it, what was fitted and what it looks like come together: neither layer knows the
+other.
 """
 
 import contextlib

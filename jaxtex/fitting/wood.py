@@ -46,7 +46,7 @@ _FEWEST = 0.02  # share of either kind of wood, at least
 _FLAT = 0.5  # lightness, of 100: less contrast is none
 _DRAWN = 0.97  # overlap of a mask with itself smoothed along the grain: photographs have pores and speckles
 _GRAINY = 0.6  # how well edges follow the grain, at least
-_CROSSED = 0.012  # share of edges that run across the grain, at most
+_CROSSED = 0.014  # share of edges that run across the grain, at most
 
 Report = Callable[[float, float], None]
 
@@ -128,6 +128,8 @@ def fit_wood(
     light = flatten_light(working) if mask is None else _as_light(mask, picture.shape[:2])
     held, pith = hold_wood(fix or {}, ellipse_center, shape=picture.shape[:2], scale=scale)
     early = find_early_wood(picture) if mask is None else np.asarray(mask) > 0.5
+    if mask is not None and not _FEWEST < early.mean() < 1 - _FEWEST:
+        raise InputError("the mask holds one kind of wood only; early wood is to be white, late wood black")
     if light.std() < _FLAT or not _FEWEST < early.mean() < 1 - _FEWEST:
         return _nothing(picture, early, "the picture is all of one lightness: no rings are to be seen", clock)
     tell(1, 3)

@@ -28,6 +28,8 @@ _TILTS = np.arcsin([0.02, 0.1, 0.4])
 _AXES = (-1.5, -0.6, 0.6, 1.5)  # picture widths from the middle
 _END_GRAIN = np.pi / 2
 _BENT = 0.04  # by which bent rings must agree better with the grain's directions
+_END_GRAIN_TILT = np.radians(15)  # how far from upright a cut without fibres may be
+_PITH = 0.025  # of the shorter side: how far off a pith is where rays and rings show it
 _MORE = 3  # numbers of bent rings that straight ones do not have
 
 _SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-5, atol=1e-5)
@@ -177,6 +179,11 @@ def _settle(grain: Grain, end: _End, independent: float) -> CountedRings:
     points = max(len(range(_STEP // 2, n, _STEP)) for n in grain.rings.shape) ** 2
     spread = np.linalg.pinv(end.curvature, hermitian=True) * end.cost / points * max(points / independent, 1.0)
     covariance = spread[:GEOMETRY, :GEOMETRY]
+    if grain.across is None:
+        # That it is end grain was seen by the lack of fibres; around the axis it looks the same however it is turned.
+        covariance[2, 2], covariance[3, 3] = _END_GRAIN_TILT**2, np.inf
+    if grain.pith is not None:
+        covariance[0, 0] = covariance[1, 1] = (_PITH * min(grain.rings.shape)) ** 2
     if not bent:
         covariance[np.arange(3), np.arange(3)] = np.inf
     return CountedRings(free, covariance, _count_from(grain, end.start.sense) - begin)

@@ -26,7 +26,7 @@ _STRAYED = 0.25  # if these are displaced by less than so many rings
 _TRIED = 2  # starts of each batch whose mask is fitted
 _MOVES = 4  # towards a given middle of the ellipses
 _RIGID = 0.2  # pixels: rings displaced by less are not
-_HOPELESS = 0.55  # overlap that none of the first starts has where there are no rings
+_HOPELESS = 0.62  # overlap that none of the first starts has where there are no rings
 _STEEPEST = 0.4  # pixels of displacement from one pixel to the next: displaced more steeply, any rings would do
 _CLEAR = 0.7  # overlap, at least, of rings that have been found
 

@@ -79,7 +79,7 @@ def read_grain(light: Floats, *, across: float | None = None, middle: tuple[floa
     levels = follow_grain(directions, first)
     # Knots and cracks bend the map: once it is known what runs astray, without them.
     levels = follow_grain(directions, first, clear=compare_directions(directions, levels)[2])
-    agreement, crossing = _judge(light, first)
+    agreement, crossing = _judge(light, first, fibrous=across is not None)
     smooth = smooth_along(light, known or directions, float(np.clip(1.5 * spacing, 8, 40)))
     even = np.tanh(even_out_rings(smooth, spacing))
     return Grain(
@@ -95,11 +95,13 @@ def read_grain(light: Floats, *, across: float | None = None, middle: tuple[floa
     )
 
 
-def _judge(light: Floats, first: Floats) -> tuple[float, float]:
+def _judge(light: Floats, first: Floats, *, fibrous: bool) -> tuple[float, float]:
     """How well edges of any size follow the grain at best, and how many run across it at least."""
     sharp = [measure_directions(light, scale, reach=1.5 * scale + 1) for scale in (_FIBRES, *_RINGS)]
     judged = [compare_directions(each, follow_grain(each, first)) for each in sharp]
-    return max(agreement for agreement, _, _ in judged), min(crossing for _, crossing, _ in judged)
+    # Pores of end grain lie any way. Where there are fibres, the finer edges tell: bricks look like stripes from afar.
+    crossings = [crossing for _, crossing, _ in (judged[:-1] if fibrous else judged)]
+    return max(agreement for agreement, _, _ in judged), min(crossings)
 
 
 def _guess_rings(light: Floats, across: float | None, middle: tuple[float, float] | None) -> tuple[Pith | None, Floats]:

@@ -1,35 +1,36 @@
-"""One page that shows a fit: how it lies on the photograph, its numbers, and what its material looks like.
+"""The page that shows a fitted tiling: how it lies on the photograph, its numbers, and what its material looks like."""
 
-The page is a single file with its pictures inside; it needs no network and no script.
-"""
-
-import base64
 import html
 import math
 import shlex
-import string
-import tempfile
 from collections.abc import Iterator, Mapping
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import jax
 import numpy as np
 import numpy.typing as npt
-from skimage.transform import resize_local_mean
 
-from jaxtex.io.files import atomic_write_text
-from jaxtex.io.images import Image, write_image
+from jaxtex.io.images import Image
 from jaxtex.material.appearance import Appearance, appearance_of
 from jaxtex.material.diagram import draw_diagram
 from jaxtex.material.maps import Maps, render_maps
 from jaxtex.material.overlay import draw_overlay
 from jaxtex.material.preview import shade_maps
+from jaxtex.material.report_page import (
+    LARGE,
+    SMALL,
+    Headline,
+    Making,
+    digits_for,
+    embed_picture,
+    fill_template,
+    shrink_picture,
+    write_page,
+)
 from jaxtex.material.sheet import Sheet, lay_photographed_sheet
 from jaxtex.models.files import TilingFile, tiling_parameters, tiling_schema
 
-_LARGE, _SMALL = 1400, 900  # pixels of the longer side of pictures in the page
 _LAMP_COLUMNS = 4  # at most, in the picture under the lamp
 _SWATCHES = 72
 _LONG_LIST = 4  # entries; longer ones get a row to themselves
@@ -58,26 +59,28 @@ def write_report(
         InputError: the page cannot be written, or the file's appearance cannot be read.
     """
     path = Path(path)
-    page = resources.files("jaxtex.material").joinpath("report.html").read_text(encoding="utf-8")
     again = command or shlex.join(["jaxtex", "fit", "tiling", str(photo.path), "-o", str(path.parent)])
     model = shlex.quote(str(path.parent / "model.json"))
     values = {
-        **_headline(photo, file),
+        "width": str(photo.width),
+        "height": str(photo.height),
         **_pictures(photo, np.asarray(mask, dtype=np.float32), file),
         **_palette(appearance_of(file)),
         "diagram": draw_diagram(file.tiling),
         "parameters": "".join(_parameter_rows(file)),
-        "timings": "".join(_timing_rows(seconds)),
-        "commands": "".join(
-            f"<pre><code>{html.escape(line)}</code></pre>"
-            for line in (again, f"jaxtex render {model} -o maps --size 4096x4096 --seamless")
-        ),
-        "footer": _footer(file),
     }
-    atomic_write_text(path, string.Template(page).substitute(values))
+    commands = (again, f"jaxtex render {model} -o maps --size 4096x4096 --seamless")
+    write_page(
+        path,
+        photo=photo,
+        file=file,
+        headline=_headline(file),
+        body=fill_template("report_tiling.html", values),
+        making=Making("Again, and as maps of any size:", commands, seconds),
+    )
 
 
-def _headline(photo: Image, file: TilingFile) -> dict[str, str]:
+def _headline(file: TilingFile) -> Headline:
     tiling, report = file.tiling, file.report
     verdict = f"A tiling in {tiling.bond} bond" if report["ok"] else f"No rectangular tiling: {report['reason']}"
     size = f"{float(tiling.tile_width):.1f} × {float(tiling.tile_height):.1f}"
@@ -92,27 +95,16 @@ def _headline(photo: Image, file: TilingFile) -> dict[str, str]:
     }
     if report.get("iou") is not None:
         facts["overlap with the mask"] = f"{100 * report['iou']:.0f} <small>%</small>"
-    return {
-        "title": html.escape(f"{photo.path.name}: fitted tiling"),
-        "name": html.escape(photo.path.name),
-        "kind": "good" if report["ok"] else "bad",
-        "verdict": html.escape(verdict),
-        "told": "" if report["ok"] else '<p class="lead">What follows is the best guess.</p>',
-        "facts": "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in facts.items()),
-        "width": str(photo.width),
-        "height": str(photo.height),
-        "aspect": f"{photo.width / photo.height:.4f}",
-    }
+    return Headline("tiling", verdict, facts)
 
 
 def _pictures(photo: Image, mask: npt.NDArray[np.float32], file: TilingFile) -> dict[str, str]:
     """The page's pictures as data URIs."""
-    small = _shrink(photo.pixels, _LARGE)
-    overlay = _shrink(draw_overlay(photo.pixels, file.tiling), _LARGE)
+    overlay = shrink_picture(draw_overlay(photo.pixels, file.tiling), LARGE)
     return {
-        "photo": _data_uri(np.clip(small, 0, 1), "photo.jpg"),
-        "overlay": _data_uri(np.clip(overlay, 0, 1), "overlay.jpg"),
-        "mask": _data_uri(np.clip(_shrink(mask[..., None], _SMALL), 0, 1), "mask.png", data=True),
+        "photo": embed_picture(shrink_picture(photo.pixels, LARGE), "photo.jpg"),
+        "overlay": embed_picture(overlay, "overlay.jpg"),
+        "mask": embed_picture(shrink_picture(mask[..., None], SMALL), "mask.png", data=True),
         **_material_pictures(file),
     }
 
@@ -125,10 +117,10 @@ def _material_pictures(file: TilingFile) -> dict[str, str]:
     breadth = columns * float(np.mean(file.tiling.course_lengths) * file.tiling.tile_width)
     rows = min(file.rows, max(1, round(breadth / float(file.tiling.tile_height))))
     near = lay_photographed_sheet(file, tiles=(columns, rows), pattern=appearance.pattern)
-    lit = _render(near, appearance, _SMALL, file.seed)
+    lit = _render(near, appearance, SMALL, file.seed)
     return {
-        "material": _data_uri(_render(seen, appearance, _SMALL, file.seed).base_colour, "material.png"),
-        "lamp": _data_uri(shade_maps(lit, pixel=near.width / lit.height.shape[1]), "lamp.jpg"),
+        "material": embed_picture(_render(seen, appearance, SMALL, file.seed).base_colour, "material.png"),
+        "lamp": embed_picture(shade_maps(lit, pixel=near.width / lit.height.shape[1]), "lamp.jpg"),
     }
 
 
@@ -140,23 +132,6 @@ def _render(sheet: Sheet, appearance: Appearance, side: int, seed: int | None) -
     size = math.ceil(sheet.width * scale), math.ceil(sheet.height * scale)
     bands = render_maps(sheet, appearance, size=size, key=jax.random.key(seed or 0))
     return Maps(*(np.concatenate(part) for part in zip(*bands, strict=True)))
-
-
-def _shrink(pixels: npt.NDArray[np.float32], side: int) -> npt.NDArray[np.float32]:
-    height, width = pixels.shape[:2]
-    scale = side / max(height, width)
-    if scale >= 1:
-        return pixels
-    return resize_local_mean(pixels, (max(1, round(height * scale)), max(1, round(width * scale))), channel_axis=-1)
-
-
-def _data_uri(pixels: npt.NDArray[np.float32], name: str, *, data: bool = False) -> str:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / name
-        write_image(path, pixels, colour_space="data" if data else "srgb")
-        encoded = base64.b64encode(path.read_bytes()).decode("ascii")
-    kind = "png" if path.suffix == ".png" else "jpeg"
-    return f"data:image/{kind};base64,{encoded}"
 
 
 def _palette(appearance: Appearance) -> dict[str, str]:
@@ -189,7 +164,7 @@ def _parameter_rows(file: TilingFile) -> Iterator[str]:
 def _number_row(name: str, value: Any, error: float | None, start: Any, described: Mapping[str, Any]) -> str:
     if isinstance(value, str | int):
         return _row(name, value, None, start, None, described)
-    digits = 3 if error is None or error <= 0 else min(max(1 - math.floor(math.log10(error)), 0), 6)
+    digits = digits_for(error)
     change = f"{value - start:+.{digits}f}" if isinstance(start, int | float) else None
     began = f"{start:.{digits}f}" if isinstance(start, int | float) else None
     return _row(name, f"{value:.{digits}f}", None if error is None else f"{error:.2g}", began, change, described)
@@ -230,14 +205,3 @@ def _unit(name: str) -> str:
         "origin": "px",
         "angle_deg": "clockwise",
     }.get(name, "")
-
-
-def _timing_rows(seconds: Mapping[str, float]) -> Iterator[str]:
-    for step, spent in seconds.items():
-        yield f'<tr><td>{html.escape(step)}</td><td class="value">{spent:.2f}</td></tr>'
-
-
-def _footer(file: TilingFile) -> str:
-    versions = ", ".join(f"{name} {version}" for name, version in sorted((file.versions or {}).items()))
-    parts = [f"Photograph sha256 {file.image.sha256}", f"seed {file.seed}" if file.seed is not None else "", versions]
-    return html.escape(" · ".join(part for part in parts if part))

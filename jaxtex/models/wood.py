@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from jaxtex.models.soft import soft_step
 
 _WAVES = 48
+_ALONG = 0.3  # of the turbulence's frequency: that along the trunk
 _RIGHT_ANGLE = math.pi / 2 + 1e-6  # in single precision a right angle is a little more than one
 _PITH = 1e-3  # of the ring spacing: how far the pith is rounded, so that it has a gradient
 _PERIODS = 3  # neighbouring rings that a spot may still see
@@ -46,7 +47,7 @@ class Wood(eqx.Module):
         early_fraction: share of early wood, the lighter, in a period, 0 to 1.
         early_rgb, late_rgb: (3,), linear light.
         turbulence_rms: root mean square of the rings' displacement, >= 0.
-        turbulence_frequency: of that displacement, cycles per pixel, >= 0.
+        turbulence_frequency: of that displacement across the trunk, cycles per pixel, >= 0; along it, it is less.
         waves: (K, 3), the directions of the plane waves that the turbulence is made of, in units of its frequency.
         phases: (K,), theirs, radians.
 
@@ -223,9 +224,12 @@ def _checked(name: str, value: npt.ArrayLike) -> NDArray[np.float64]:
 
 
 def _draw_waves(seed: int) -> tuple[Array, Array]:
-    """Directions all around, each about one unit long: turbulence has its frequency, give or take a third."""
+    """Directions all around, each about one unit long: turbulence has its frequency, give or take a third.
+
+    Along the trunk it is slower, as the fibres that grow there are long.
+    """
     rng = np.random.default_rng(seed)
     directions = rng.normal(size=(_WAVES, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    waves = directions * np.exp(rng.normal(0.0, 0.3, (_WAVES, 1)))
+    waves = directions * np.exp(rng.normal(0.0, 0.3, (_WAVES, 1))) * np.array([1.0, 1.0, _ALONG])
     return jnp.asarray(waves, float), jnp.asarray(rng.uniform(0.0, 2 * np.pi, _WAVES), float)

@@ -24,6 +24,7 @@ class Bad(NamedTuple):
 
 
 PHOTO = "fit tiling {photo}"
+PLANK = "fit wood {photo}"
 BAD = [
     # the photograph
     Bad("missing photograph", "fit tiling nowhere.png", ("nowhere.png", "no such file")),
@@ -50,6 +51,13 @@ BAD = [
     Bad("negative joint", f"{PHOTO} --fix mortar_x=-1", ("mortar_x=-1", "0 pixels")),
     Bad("fixed twice", f"{PHOTO} --fix offset=0 offset=0.5", ("--fix", "offset", "twice")),
     Bad("fixed and started", f"{PHOTO} --fix offset=0 --init offset=0.5", ("offset", "both")),
+    # wood
+    Bad("missing photograph of wood", "fit wood nowhere.png", ("nowhere.png", "no such file")),
+    Bad("photograph of wood too small", "fit wood {small}", ("20 x 20 pixels", "32 x 32 at least")),
+    Bad("wood's mask of another size", f"{PLANK} --mask {{small}}", ("mask", "(20, 20)", "(48, 64)")),
+    Bad("unknown parameter of wood", f"{PLANK} --fix tilt=5", ("tilt", "tilt_deg")),
+    Bad("tilt out of range", f"{PLANK} --fix tilt_deg=-5", ("tilt_deg", "-5")),
+    Bad("pith outside", f"{PLANK} --ellipse-center 99,9", ("(99, 9)", "64 x 48")),
     # other options
     Bad("bad size", f"{PHOTO} --size 100", ("--size", "'100'", "WIDTHxHEIGHT")),
     Bad("size of nothing", f"{PHOTO} --size 0x100", ("--size", "'0x100'")),
