@@ -30,6 +30,8 @@ _END_GRAIN = np.pi / 2
 _BENT = 0.04  # by which bent rings must agree better with the grain's directions
 _END_GRAIN_TILT = np.radians(15)  # how far from upright a cut without fibres may be
 _PITH = 0.025  # of the shorter side: how far off a pith is where rays and rings show it
+_NO_TILT = 1e-6  # radians: none that could be seen, but a number
+_MIRRORED = {0, 1, 3}  # numbers whose sign depends on that of the tilt, or on the sense of rotation
 _MORE = 3  # numbers of bent rings that straight ones do not have
 
 _SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-5, atol=1e-5)
@@ -74,6 +76,9 @@ def fit_count(grain: Grain, held: Held) -> CountedRings:
     independent = max(grain.rings.size / _TOGETHER**2, 2.0 * GEOMETRY)
     starts = [_held(start, held) for start in _list_bent(grain)]
     bent = min((_solve(grain, start, independent) for start in starts), key=lambda end: end.cost)
+    if bent.vector[2] < 0 and _MIRRORED & held.keys():
+        # Written with a positive tilt these would change their sign: as near as they come to it is no tilt.
+        bent = _solve(grain, _held(bent.start, {**held, 2: _NO_TILT}), independent)
     if grain.pith is not None or grain.across is None or {0, 1, 2} & held.keys():
         return _settle(grain, bent, independent)
     straight = _solve(grain, _held(_straight(grain), held), independent)

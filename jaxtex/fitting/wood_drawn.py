@@ -28,6 +28,7 @@ _MOVES = 4  # towards a given middle of the ellipses
 _RIGID = 0.2  # pixels: rings displaced by less are not
 _HOPELESS = 0.62  # overlap that none of the first starts has where there are no rings
 _STEEPEST = 0.4  # pixels of displacement from one pixel to the next: displaced more steeply, any rings would do
+_NO_TILT = 1e-6  # radians: none that could be seen, but a number
 _CLEAR = 0.7  # overlap, at least, of rings that have been found
 
 
@@ -62,6 +63,11 @@ def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) ->
         found, held = _move_to(early, found, held, middle)
     if found is None or found.overlap < _CLEAR:
         return None
+    if found.rings.free[2] < 0 and {0, 1, 3} & held.keys():
+        # Written with a positive tilt these would change their sign: as near as they come to it is no tilt.
+        held = {**held, 2: _NO_TILT}
+        followed = follow_rings(early - early.mean(), hold(found.rings.free[:GEOMETRY], held), held)[0]
+        found = _try(early, np.append(followed, found.rings.free[GEOMETRY]), held) or found
     free, covariance, turbulence = found.rings.free.copy(), found.rings.covariance.copy(), (0.0, 0.0)
     fitted = fit_turbulence(found.seen, found.clear, free[:GEOMETRY], held)
     if fitted is not None:

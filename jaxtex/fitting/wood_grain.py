@@ -73,6 +73,8 @@ def read_grain(light: Floats, *, across: float | None = None, middle: tuple[floa
         turn, fibrous = main_direction(measure_directions(light, _FIBRES))
         across = turn if fibrous >= _FIBROUS else None
     pith, first = _guess_rings(light, across, middle)
+    if pith is not None and middle is None:
+        across = None  # what ran one way were rays, not fibres
     known = None if pith is None or across is not None else directions_of(first)
     spacing = measure_spacing(light, _lay_rays(first, None if known is None else pith), known)
     directions = measure_directions(light, max(1.5, 0.1 * spacing))
@@ -110,10 +112,9 @@ def _guess_rings(light: Floats, across: float | None, middle: tuple[float, float
     scales = [measure_directions(light, scale) for scale in _RINGS]
     if middle is not None:
         return _guess_ellipses(scales[0], across, middle)
-    if across is None:
-        place, gain = _vote_for_pith(measure_directions(light, _SHARP))
-        if gain > _ROUND:
-            return Pith(*place, np.pi / 2), np.hypot(u - place[0], v - place[1])
+    place, gain = _vote_for_pith(measure_directions(light, _SHARP))
+    if gain > _ROUND:
+        return Pith(*place, np.pi / 2), np.hypot(u - place[0], v - place[1])
     turns = [main_direction(each)[0] for each in scales] + ([] if across is None else [across])
     straight = [u * np.cos(turn) + v * np.sin(turn) for turn in turns]
     return None, max(straight, key=lambda rings: compare_directions(scales[0], rings)[0])

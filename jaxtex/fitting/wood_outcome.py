@@ -17,7 +17,7 @@ Mask = NDArray[np.bool_]
 
 # A parameter is determined where its standard error is at most this.
 _TOLD = {"tilt_deg": 5.0, "rotation_deg": 5.0, "early_fraction": 0.1}
-_TOLD_RINGS = {"center": 0.5, "ring_spacing": 0.1}  # in ring spacings
+_TOLD_RINGS = {"center": 1.0, "ring_spacing": 0.1}  # in ring spacings
 
 
 class Seen(NamedTuple):

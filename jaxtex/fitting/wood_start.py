@@ -40,6 +40,7 @@ _OUTLIER = 0.3  # of the squared frequency: pieces that differ by more count les
 _APART = np.array([50.0, 50.0, 0.17, 0.17, 0.1])  # starts that differ by less end alike
 _PITH_LEANS = (0.02, 0.06, 0.15, 0.3, 0.5, 0.75)
 _MOST_AXES = 64  # to either side of the middle: so many places can be tried in the time there is
+_POINTS = 12_288  # of the picture, on which places are compared
 _BLOCKS = 8  # parts of the picture along a side, each coherent by itself
 
 _SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-5, atol=1e-5)
@@ -105,10 +106,12 @@ def scan_for_pith(rings: Floats, start: Floats, held: Held) -> list[Floats]:
     ]
     # Their number depends on the spacing; few lengths share few compilations.
     places += places[:1] * (-len(places) % 2048)
+    few = np.random.default_rng(0).permutation(smooth.size)[:_POINTS]
     with jax.enable_x64():
-        plank = Plank(jnp.asarray(u.ravel()), jnp.asarray(v.ravel()))
-        parts = jnp.asarray((_BLOCKS * rows + columns).ravel())
-        scores = jax.device_get(_score_places(jnp.asarray(np.array(places)), plank, jnp.asarray(smooth.ravel()), parts))
+        plank = Plank(*(jnp.asarray(each.ravel()[few]) for each in (u, v)))
+        parts = jnp.asarray((_BLOCKS * rows + columns).ravel()[few])
+        seen = jnp.asarray(smooth.ravel()[few])
+        scores = jax.device_get(_score_places(jnp.asarray(np.array(places)), plank, seen, parts))
     return _differing(places[n] if held else canonical_rings(places[n])[0] for n in np.argsort(-scores))
 
 

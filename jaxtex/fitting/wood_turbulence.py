@@ -25,7 +25,7 @@ _FEWEST = 0.3  # of a cell's pixels must be clear
 _SPREAD = 0.3  # of the logarithm of frequencies, as in the model
 _WAVELENGTHS = np.geomspace(0.12, 1.2, 13)  # of the picture's longer side
 _NOISE = 0.03  # pixels: of a cell's mean, where nothing is seen to be worse
-_ROUNDS = 2  # of choosing the frequency
+_ROUNDS = 3  # of choosing the frequency
 _STEPS = 10
 
 
@@ -49,19 +49,24 @@ class _Cells(NamedTuple):
 def fit_turbulence(rings: Floats, clear: Mask, free: Floats, held: Held) -> Turbulence | None:
     """Fit rings and turbulence to the rings seen (H, W) where that is clear, from a vector (5,); None where too
     little is."""
-    cells = _average(rings, clear)
+    height, width = rings.shape
+    v, u = np.mgrid[0:height, 0:width] + 0.5
+    pixels = np.stack([u.ravel() - width / 2, v.ravel() - height / 2], axis=1)
+    cells = _average_about(rings, clear, free, pixels)
     if len(cells.rings) < 4 * GEOMETRY:
         return None
     loose = [n for n in range(GEOMETRY) if n not in held]
     wavelengths = _WAVELENGTHS * max(rings.shape)
     correlations = [correlate_turbulence(cells.place, 1 / each) for each in wavelengths]
     found = free[:GEOMETRY].copy()
+    unit = float(np.exp(found[4]))
     for _ in range(_ROUNDS):
-        off, rows = _linearise(found, cells)
+        cells = _average_about(rings, clear, found, pixels)
+        off, rows = _linearise(found, cells, unit)
         fits = [_likelihood(each, off, rows[:, loose]) for each in correlations]
         number = int(np.argmax([fit.likelihood for fit in fits]))
-        found = _descend(found, cells, loose, fits[number])
-    off, rows = _linearise(found, cells)
+        found = _descend(found, cells, loose, fits[number], unit)
+    off, rows = _linearise(found, cells, unit)
     covariance = np.zeros((GEOMETRY, GEOMETRY))
     covariance[np.ix_(loose, loose)] = _likelihood(correlations[number], off, rows[:, loose]).covariance
     # What the rings took up of the displacement counts as well, as much as their numbers are uncertain.
@@ -70,12 +75,19 @@ def fit_turbulence(rings: Floats, clear: Mask, free: Floats, held: Held) -> Turb
     return Turbulence(found, covariance, float(np.sqrt(off.var() + taken)), float(1 / wavelengths[number]))
 
 
+def _average_about(rings: Floats, clear: Mask, free: Floats, pixels: Floats) -> _Cells:
+    """Means over cells of the rings seen (H, W), as if a vector's own rings were straight within a cell."""
+    rigid = (_distance(free, pixels) / np.exp(free[4])).reshape(rings.shape)
+    cells = _average(rings - rigid, clear)
+    return cells._replace(rings=cells.rings + _distance(free, cells.place) / np.exp(free[4]))
+
+
 def bound_errors(free: Floats, shape: tuple[int, int], *, rms: float, frequency: float) -> Floats:
     """The covariance (5, 5) that no unbiased estimate of a vector (5,) passes in a picture (H, W) whose rings are
     displaced by turbulence (Cramér & Rao)."""
     cells = _average(np.zeros(shape), np.ones(shape, bool))
     cells = cells._replace(rings=_distance(free, cells.place) / np.exp(free[4]))
-    _, rows = _linearise(free, cells)
+    _, rows = _linearise(free, cells, float(np.exp(free[4])))
     noise = (_NOISE / rms) ** 2 + 1e-4
     factor = linalg.cholesky(correlate_turbulence(cells.place, frequency) + noise * np.eye(len(rows)), lower=True)
     white = _whiten(factor, rows) / rms
@@ -85,7 +97,9 @@ def bound_errors(free: Floats, shape: tuple[int, int], *, rms: float, frequency:
 def correlate_turbulence(place: Floats, frequency: float) -> Floats:
     """Correlation (N, N) of turbulence of one frequency (cycles per pixel) between places (N, 2) of a plank.
 
-    Plane waves from all sides of space correlate as sin(x) / x, x their phase over the distance.
+    Plane waves from all sides of space correlate as sin(x) / x, x their phase over the distance. So does the model's
+    turbulence on end grain. Along the trunk that is slower, by how much nobody knows of the wood in a picture: the
+    correlation supposes no more than the distance.
     """
     nodes, weights = np.polynomial.hermite_e.hermegauss(9)
     distance = np.hypot(*(place[:, None] - place[None]).transpose(2, 0, 1))
@@ -104,6 +118,8 @@ def _likelihood(correlation: Floats, off: Floats, rows: Floats) -> _Fit:
     number, numbers = rows.shape
     # Cells are means of a measurement that is itself uncertain, by a share of what it measures.
     noise = _NOISE**2 / max(float(off.var()), _NOISE**2) + 1e-4
+    # Cells that hardly stray tell of the noise that is assumed, not of how strong turbulence is.
+    strongest = float(off.var())
     factor = linalg.cholesky(correlation + noise * np.eye(number), lower=True)
     off, rows = _whiten(factor, off), _whiten(factor, rows)
     scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-12)
@@ -112,13 +128,13 @@ def _likelihood(correlation: Floats, off: Floats, rows: Floats) -> _Fit:
     strength = float(((off - rows / scale @ step) ** 2).sum()) / (number - numbers)
     _, log_normal = np.linalg.slogdet(normal)
     likelihood = -(number - numbers) * np.log(strength) - 2 * np.log(np.diag(factor)).sum() - log_normal
-    covariance = strength * np.linalg.pinv(normal, hermitian=True) / np.outer(scale, scale)
+    covariance = max(strength, strongest) * np.linalg.pinv(normal, hermitian=True) / np.outer(scale, scale)
     return _Fit(float(likelihood), covariance, factor)
 
 
-def _descend(free: Floats, cells: _Cells, loose: list[int], fit: _Fit) -> Floats:
+def _descend(free: Floats, cells: _Cells, loose: list[int], fit: _Fit, unit: float) -> Floats:
     """A few steps of Levenberg and Marquardt from a vector (5,) towards the least squares of whitened displacement."""
-    off, rows = _linearise(free, cells)
+    off, rows = _linearise(free, cells, unit)
     cost, damping = float((_whiten(fit.factor, off) ** 2).sum()), 1e-4
     for _ in range(_STEPS):
         white, slopes = _whiten(fit.factor, off), _whiten(fit.factor, rows[:, loose])
@@ -126,7 +142,7 @@ def _descend(free: Floats, cells: _Cells, loose: list[int], fit: _Fit) -> Floats
         normal = (slopes / scale).T @ (slopes / scale)
         trial = free.copy()
         trial[loose] -= np.linalg.solve(normal + damping * np.eye(len(loose)), (slopes / scale).T @ white) / scale
-        there = _linearise(trial, cells)
+        there = _linearise(trial, cells, unit)
         lower = float((_whiten(fit.factor, there[0]) ** 2).sum())
         if lower < cost:
             free, (off, rows), cost, damping = trial, there, lower, damping / 5
@@ -155,11 +171,11 @@ def _average(rings: Floats, clear: Mask) -> _Cells:
     return _Cells(np.stack([x, y], axis=1), mean)
 
 
-def _linearise(free: Floats, cells: _Cells) -> tuple[Floats, Floats]:
+def _linearise(free: Floats, cells: _Cells, unit: float) -> tuple[Floats, Floats]:
     """How far the rings seen lie outside a vector's (N,), pixels, and how that changes with its numbers (N, 5)."""
     with jax.enable_x64():
         plank = Plank(*(jnp.asarray(each) for each in cells.place.T))
-        off, rows = _off(jnp.asarray(free), plank, jnp.asarray(cells.rings))
+        off, rows = _off(jnp.asarray(free), plank, jnp.asarray(cells.rings), unit)
         return np.asarray(off), np.asarray(rows)
 
 
@@ -170,8 +186,8 @@ def _distance(free: Floats, place: Floats) -> Floats:
 
 
 @jax.jit
-def _off(free: Array, plank: Plank, count: Array) -> tuple[Array, Array]:
+def _off(free: Array, plank: Plank, count: Array, unit: float) -> tuple[Array, Array]:
     def off(free: Array) -> Array:
-        return count * jnp.exp(free[4]) - ring_distance(free, plank)[0]
+        return unit * (count - ring_distance(free, plank)[0] * jnp.exp(-free[4]))
 
     return off(free), jax.jacfwd(off)(free)

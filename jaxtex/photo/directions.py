@@ -44,7 +44,9 @@ def measure_directions(light: Array, scale: float, *, reach: float | None = None
 def main_direction(directions: Directions) -> tuple[float, float]:
     """Across the grain of the whole picture, radians in [0, pi), and how clearly all of it runs so, 0 to 1."""
     whole = directions.across.sum()
-    return float(np.angle(whole) / 2 % np.pi), float(np.abs(whole) / directions.energy.sum())
+    turn = float(np.angle(whole) / 2 % np.pi)
+    # A hair below zero is, rounded, a half turn.
+    return turn if turn < np.pi else 0.0, float(np.abs(whole) / directions.energy.sum())
 
 
 def directions_of(rings: Array) -> Directions:

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage, signal
-from skimage.filters import threshold_otsu
 
 from jaxtex.photo.directions import Directions, measure_directions, smooth_along
 
@@ -13,6 +12,7 @@ Array = NDArray[np.float64]
 Ray = tuple[Array, Array]  # rows and columns of points one pixel apart, across the grain
 
 _EVEN = 0.78  # of the variance: what a threshold explains of two kinds of lines; of lines of all depths it is 0.75
+_TWICE = 2.0  # as deep, at least, are lines of the deeper kind
 _FAINT = 0.05  # standard deviations: shallower lines are noise
 _VISIBLE = 0.5  # deep enough for a line to be seen, where all depths occur
 _NEAREST = 0.4  # of the spacing, between lines
@@ -41,13 +41,9 @@ def measure_spacing(light: Array, rays: Sequence[Ray], known: Directions | None 
         depths, length = _find_depths(band, known, _ARC, rays)
         return length / max(int((depths > _WEATHERED).sum()), 1)
     depths, length = _find_depths(light, measure_directions(light, 2.0), 30.0, rays)
-    if len(depths) > 1 and depths.min() < depths.max():
-        limit = float(threshold_otsu(depths))
-        deep = depths > limit
-        share = deep.mean()
-        between = share * (1 - share) * (depths[deep].mean() - depths[~deep].mean()) ** 2
-        if between > _EVEN * depths.var():
-            return length / max(int(deep.sum()), 1)
+    deep = _count_deep(depths)
+    if deep:
+        return length / deep
     depths, length = _find_depths(light, measure_directions(light, 1.5), 12.0, rays)
     return length / max(int((depths > _VISIBLE).sum()), 1)
 
@@ -68,9 +64,24 @@ def count_lines(rings: Array, levels: Array, spacing: float) -> Array:
         return levels / spacing
     kept = np.sort(lines[deepest]) + 0.5
     turn = np.arange(len(kept)) + _LATE
-    ends = np.array([kept[0] - spacing * turn[0], kept[-1] + spacing * len(kept)])
-    place = np.concatenate([ends[:1], kept, ends[1:]])
-    return np.interp(levels - low, place, np.concatenate([[0.0], turn, [turn[-1] + len(kept)]]))
+    reach = len(kept)
+    place = np.concatenate([[kept[0] - spacing * reach], kept, [kept[-1] + spacing * reach]])
+    return np.interp(levels - low, place, np.concatenate([[turn[0] - reach], turn, [turn[-1] + reach]]))
+
+
+def _count_deep(depths: Array) -> int:
+    """How many lines are deep, where they are of two kinds; else 0. The limit is Otsu's, found among the depths."""
+    if len(depths) < 2:
+        return 0
+    ordered = np.sort(depths)
+    number = np.arange(1, len(ordered))
+    total = np.cumsum(ordered)
+    low, high = total[:-1] / number, (total[-1] - total[:-1]) / number[::-1]
+    share = number / len(ordered)
+    between = share * (1 - share) * (high - low) ** 2
+    best = int(np.argmax(between))
+    two = between[best] > _EVEN * ordered.var() and high[best] > _TWICE * low[best]
+    return len(ordered) - 1 - best if two else 0
 
 
 def _find_depths(light: Array, directions: Directions, reach: float, rays: Sequence[Ray]) -> tuple[Array, int]:
