@@ -60,12 +60,19 @@ class Floor:
             with reporting("fitting the floor") as report:
                 floor = fit_floor(photo.pixels, wood=board, seed=seed, report=report)
             write_floor_fit(folder, photo, floor, size=size, seed=seed)
-        for line in _summary(self.photo, folder, floor):
+        for line in _summary(self.photo, folder, floor, self.wood):
             print(line)
         return 0 if floor.ok else 1
 
 
-def _summary(photo: Path, folder: Path, floor: "FloorFit") -> list[str]:
+def _origin(own: int, count: int, other: Path | None) -> str:
+    if other is not None:
+        return f"that of {other}, cut elsewhere for each"
+    rest = "" if own == count else "; the others share what these have in common"
+    return f"read off {own} of {count}{rest}"
+
+
+def _summary(photo: Path, folder: Path, floor: "FloorFit", other: Path | None) -> list[str]:
     import math
 
     own = sum(plank.own for plank in floor.planks)
@@ -75,6 +82,6 @@ def _summary(photo: Path, folder: Path, floor: "FloorFit") -> list[str]:
     if floor.planks:
         lines += [
             f"  joints  {len(floor.joints)} across, at {math.degrees(floor.turn) % 180:.2f} degrees",
-            f"  wood    read off {own} of them; the others share what these have in common",
+            f"  wood    {_origin(own, len(floor.planks), other)}",
         ]
     return [*lines, f"Open {folder / 'overlay.png'}"]

@@ -11,16 +11,16 @@ from jaxtex.material.export import write_maps
 from jaxtex.material.floor import FloorMaps, draw_planks, render_floor
 from jaxtex.models.envelope import SourceImage
 from jaxtex.models.files import save_model
-from jaxtex.models.floor_files import FloorFile, PlacedWood
-from jaxtex.models.wood_files import wood_from_parameters, wood_parameters
+from jaxtex.models.floor_files import FloorFile, PlacedWood, wood_of_plank
+from jaxtex.models.wood_files import wood_parameters
 
 
 def describe_floor(photo: Image, fit: FloorFit, *, seed: int) -> FloorFile:
     """A fit as a model file holds it."""
     planks = tuple(
         # A file keeps but the seed of the turbulence.
-        PlacedWood(plank.corners, wood_from_parameters(wood_parameters(plank.wood), seed=seed), plank.own)
-        for plank in fit.planks
+        PlacedWood(plank.corners, wood_of_plank(wood_parameters(plank.wood), seed=seed, number=number), plank.own)
+        for number, plank in enumerate(fit.planks)
     )
     report = {
         "ok": fit.ok,

@@ -29,6 +29,7 @@ _INSET = 0.04  # of a plank's breadth: as far as joints and their shadows reach
 _SMALLEST = 32  # pixels: smaller planks tell too little of their wood
 _LONGEST = 4  # times as long as broad: so much of a plank is read, about its middle
 _MOST = 48  # planks whose wood is fitted one by one
+_MAZE = 0.5  # pixels of displacement from one pixel to the next, typically
 _WOODEN = 0.5  # share of the planks that must be wood
 _FIBRES = 0.7  # pixels: at this scale they are seen
 _FIBROUS = 0.3  # how clearly fibres run one way on a plank
@@ -117,7 +118,10 @@ def fit_floor(
     began = time.perf_counter()
     if wood is not None:
         random = np.random.default_rng(seed)
-        planks = tuple(FloorPlank(each, _cut_elsewhere(wood, each, random), False) for each in corners)
+        turned = turn_picture(picture.astype(float), found.turn)
+        runs = [_across(_cut_out(turned, each, picture.shape, found.turn)[0]) + found.turn for each in corners]
+        woods = [_cut_elsewhere(wood, across, random) for across in runs]
+        planks = tuple(FloorPlank(each, one, False) for each, one in zip(corners, woods, strict=True))
         wooden = 1.0
     else:
         planks, wooden = _fit_planks(picture, corners, found.turn, tell)
@@ -140,16 +144,31 @@ def _fit_planks(
         large = number in order and min(piece.shape[:2]) >= _SMALLEST
         fits.append(_fit_piece(piece) if large else None)
     tell(len(pieces), len(pieces))
-    good = [fit for fit in fits if fit is not None and fit.ok]
+    good = [fit for fit in fits if fit is not None and _is_plain(fit)]
     shared = _share([fit.wood for fit in good])
     planks = []
     for each, (piece, off), fit in zip(corners, cuts, fits, strict=True):
-        own = fit is not None and fit.ok
-        wood = fit.wood if fit is not None and fit.ok else _in_colours_of(shared, piece)
+        own = fit is not None and _is_plain(fit)
+        wood = fit.wood if fit is not None and own else _in_colours_of(shared, piece)
         planks.append(FloorPlank(each, _placed(wood, turn, off), own))
     large = [piece for piece in pieces if min(piece.shape[:2]) >= _SMALLEST // 2]
     fibrous = [main_direction(measure_directions(flatten_light(piece), _FIBRES))[1] > _FIBROUS for piece in large]
     return tuple(planks), float(np.mean(fibrous)) if fibrous else 0.0
+
+
+def _is_plain(fit: WoodFit) -> bool:
+    """Whether the wood of a piece can be drawn over its whole plank: what bends more than it runs would be a maze."""
+    bends = 2 * np.pi * float(fit.wood.turbulence_frequency) * float(fit.wood.turbulence_rms)
+    return fit.ok and bends < _MAZE
+
+
+def _across(piece: Floats) -> float:
+    """Across the grain of an upright piece, radians; across its length where no grain is seen."""
+    if min(piece.shape[:2]) >= _SMALLEST // 2:
+        turn, fibrous = main_direction(measure_directions(flatten_light(piece), _FIBRES))
+        if fibrous > _FIBROUS:
+            return turn
+    return 0.0 if piece.shape[0] >= piece.shape[1] else np.pi / 2
 
 
 def _fit_piece(piece: Floats) -> WoodFit | None:
@@ -206,17 +225,12 @@ def _placed(wood: Wood, turn: float, off: Floats) -> Wood:
     return _from(dict(wood_parameters(dataclasses.replace(wood, center=moved, rotation=wood.rotation + turn))))
 
 
-def _cut_elsewhere(wood: Wood, corners: Floats, random: np.random.Generator) -> Wood:
-    """Another photograph's wood along a plank, a random way from where that was cut."""
-    sides = np.roll(corners, -1, axis=0) - corners
-    along = sides[int(np.argmax(np.hypot(*sides.T)))]
+def _cut_elsewhere(wood: Wood, across: float, random: np.random.Generator) -> Wood:
+    """Another photograph's wood on a plank whose grain runs a given way, cut somewhere near where that was."""
     spacing = float(wood.ring_spacing)
-    moved = dataclasses.replace(
-        wood,
-        center=wood.center + random.uniform(-0.5, 0.5, 2) * [2 * spacing * 10, 2 * spacing],
-        rotation=wood.rotation * 0 + np.arctan2(along[1], along[0]) - np.pi / 2,
-    )
-    return _from(dict(wood_parameters(moved)))
+    moved = wood.center + random.uniform(-1, 1, 2) * np.array([10 * spacing, spacing])
+    turned = dataclasses.replace(wood, center=moved, rotation=jnp.asarray(across))
+    return _from(dict(wood_parameters(turned)))
 
 
 def _from(parameters: dict[str, Any]) -> Wood:

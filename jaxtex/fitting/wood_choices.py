@@ -33,6 +33,7 @@ def hold_wood(
         if name not in _PLACES:
             raise InputError(f"{name}: no such parameter can be held; there are {', '.join(_PLACES)}")
         place, low, high, unit = _PLACES[name]
+        high = min(high, float(max(shape))) if name == "ring_spacing" else high
         if not (math.isfinite(value) and low <= value <= high):
             raise InputError(f"{name} is {value:g}; give {unit} from {low:g} to {high:g}")
         held[place] = value

@@ -38,7 +38,7 @@ class FloorFile:
         planks: none of them overlap.
         image: the photograph.
         report: as `WoodFile` has it; `iou` and `start` are None.
-        seed: of the turbulence of all planks, and of all other random choices.
+        seed: of all random choices. The turbulence of plank n is that of seed + n.
         versions: of the software that wrote the file; by default of the software that runs.
     """
 
@@ -47,6 +47,14 @@ class FloorFile:
     report: Mapping[str, Any]
     seed: int = 0
     versions: Mapping[str, str] | None = None
+
+
+def wood_of_plank(parameters: Mapping[str, Any], *, seed: int, number: int) -> Wood:
+    """The wood of a floor's plank of a number, of named parameters as they stand in a model file.
+
+    Every plank has turbulence of its own: that of the floor's seed and its number together.
+    """
+    return wood_from_parameters(parameters, seed=seed + number)
 
 
 def floor_content(file: FloorFile) -> dict[str, Any]:
@@ -65,8 +73,8 @@ def floor_from_document(document: Mapping[str, Any]) -> FloorFile:
     """
     seed = int(document["seed"])
     planks = tuple(
-        PlacedWood(np.array(each["corners"], float), wood_from_parameters(each["wood"], seed=seed), each["own"])
-        for each in document["planks"]
+        PlacedWood(np.array(each["corners"], float), wood_of_plank(each["wood"], seed=seed, number=number), each["own"])
+        for number, each in enumerate(document["planks"])
     )
     image = SourceImage(**document["image"])
     return FloorFile(planks, image, document["report"], seed, document.get("versions"))

@@ -8,9 +8,9 @@ import pytest
 from jaxtex.core.errors import InputError
 from jaxtex.models.envelope import SourceImage
 from jaxtex.models.files import load_model, need_tiling, save_model
-from jaxtex.models.floor_files import FloorFile, PlacedWood
+from jaxtex.models.floor_files import FloorFile, PlacedWood, wood_of_plank
 from jaxtex.models.wood import make_wood
-from jaxtex.models.wood_files import wood_from_parameters, wood_parameters
+from jaxtex.models.wood_files import wood_parameters
 
 REPORT = {"ok": True, "reason": "", "iou": None, "start": None, "standard_errors": {}}
 
@@ -18,7 +18,7 @@ REPORT = {"ok": True, "reason": "", "iou": None, "start": None, "standard_errors
 def make_floor():
     corners = np.array([[0.0, 0], [50, 0], [50, 90], [0, 90]])
     wood = [make_wood(ring_spacing=12.0, turbulence_rms=2.0), make_wood(ring_spacing=9.0, rotation=1.0)]
-    drawn = [wood_from_parameters(wood_parameters(each), seed=5) for each in wood]
+    drawn = [wood_of_plank(wood_parameters(each), seed=5, number=number) for number, each in enumerate(wood)]
     planks = (PlacedWood(corners, drawn[0], True), PlacedWood(corners + np.array([50, 0]), drawn[1], False))
     return FloorFile(planks, SourceImage(100, 90, "0" * 64), REPORT, seed=5)
 
