@@ -47,7 +47,10 @@ class Floor:
         from jaxtex.fitting.floor import fit_floor
         from jaxtex.fitting.wood import fit_wood
         from jaxtex.io.images import read_image
+        from jaxtex.material.bands import check_sides
 
+        if size is not None:
+            check_sides(size)
         photo = read_image(self.photo)
         other = None if self.wood is None else read_image(self.wood)
         with results_folder(self.output) as folder:
@@ -81,7 +84,7 @@ def _summary(photo: Path, folder: Path, floor: "FloorFit", other: Path | None) -
         lines = [f"{photo}: no floor of wood: {floor.reason}; the best guess is {len(floor.planks)} planks"]
     if floor.planks:
         lines += [
-            f"  joints  {len(floor.joints)} across, at {math.degrees(floor.turn) % 180:.2f} degrees",
+            f"  joints  {len(floor.joints)} across, at {(math.degrees(floor.turn) + 90) % 180:.2f} degrees",
             f"  wood    {_origin(own, len(floor.planks), other)}",
         ]
     return [*lines, f"Open {folder / 'overlay.png'}"]

@@ -119,10 +119,11 @@ def fit_floor(
     if wood is not None:
         random = np.random.default_rng(seed)
         turned = turn_picture(picture.astype(float), found.turn)
-        runs = [_across(_cut_out(turned, each, picture.shape, found.turn)[0]) + found.turn for each in corners]
-        woods = [_cut_elsewhere(wood, across, random) for across in runs]
+        pieces = [_cut_out(turned, each, picture.shape, found.turn)[0] for each in corners]
+        runs = [_across(piece) for piece in pieces]
+        woods = [_cut_elsewhere(wood, across + found.turn, random) for across in runs]
         planks = tuple(FloorPlank(each, one, False) for each, one in zip(corners, woods, strict=True))
-        wooden = 1.0
+        wooden = _share_of_wood(pieces)
     else:
         planks, wooden = _fit_planks(picture, corners, found.turn, tell)
     seconds["wood"] = time.perf_counter() - began
@@ -151,9 +152,14 @@ def _fit_planks(
         own = fit is not None and _is_plain(fit)
         wood = fit.wood if fit is not None and own else _in_colours_of(shared, piece)
         planks.append(FloorPlank(each, _placed(wood, turn, off), own))
+    return tuple(planks), _share_of_wood(pieces)
+
+
+def _share_of_wood(pieces: list[Floats]) -> float:
+    """On which share of the pieces large enough to tell fibres are seen."""
     large = [piece for piece in pieces if min(piece.shape[:2]) >= _SMALLEST // 2]
     fibrous = [main_direction(measure_directions(flatten_light(piece), _FIBRES))[1] > _FIBROUS for piece in large]
-    return tuple(planks), float(np.mean(fibrous)) if fibrous else 0.0
+    return float(np.mean(fibrous)) if fibrous else 0.0
 
 
 def _is_plain(fit: WoodFit) -> bool:
@@ -194,7 +200,7 @@ def _cut_out(turned: Floats, corners: Floats, shape: tuple[int, ...], turn: floa
     first, last = first + spare // 2, last - (spare - spare // 2)
     piece = turned[first[1] : last[1], first[0] : last[0]]
     known = ~np.isnan(piece)
-    filling = float(piece[known].mean()) if known.any() else 0.0
+    filling = np.nanmean(piece, axis=(0, 1)) if known.any() else np.zeros(piece.shape[2])
     return np.where(known, piece, filling), (first + last) / 2 - (low + high) / 2
 
 

@@ -138,7 +138,8 @@ def fit_wood(
     if seen is None:
         grain = read_grain(light, across=held.get(3), middle=pith)
         reason = _judge(grain)
-        seen, early = _read_photographed(grain, held), _enlarge(grain.early, picture.shape[:2])
+        seen = _read_photographed(grain, held)
+        early = early if mask is not None else _enlarge(grain.early, picture.shape[:2])
     clock.note("rings")
     tell(2, 3)
     fit = _describe(picture, seen, early, scale, clock)
@@ -171,7 +172,7 @@ def _read_photographed(grain: Grain, held: Held) -> Seen:
 
 def _judge(grain: Grain) -> str:
     """Why the grain is not that of one piece of wood; empty where it is."""
-    if grain.pith is not None:
+    if grain.pith is not None and grain.across is None:
         return ""
     if grain.agreement < _GRAINY:
         return "nothing in the picture runs like the grain of wood"

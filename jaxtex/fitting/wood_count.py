@@ -31,7 +31,6 @@ _BENT = 0.04  # by which bent rings must agree better with the grain's direction
 _END_GRAIN_TILT = np.radians(15)  # how far from upright a cut without fibres may be
 _PITH = 0.025  # of the shorter side: how far off a pith is where rays and rings show it
 _NO_TILT = 1e-6  # radians: none that could be seen, but a number
-_MIRRORED = {0, 1, 3}  # numbers whose sign depends on that of the tilt, or on the sense of rotation
 _MORE = 3  # numbers of bent rings that straight ones do not have
 
 _SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-5, atol=1e-5)
@@ -76,16 +75,16 @@ def fit_count(grain: Grain, held: Held) -> CountedRings:
     independent = max(grain.rings.size / _TOGETHER**2, 2.0 * GEOMETRY)
     starts = [_held(start, held) for start in _list_bent(grain)]
     bent = min((_solve(grain, start, independent) for start in starts), key=lambda end: end.cost)
-    if bent.vector[2] < 0 and _MIRRORED & held.keys():
-        # Written with a positive tilt these would change their sign: as near as they come to it is no tilt.
+    if bent.vector[2] < 0 and 1 in held:
+        # Written with a positive tilt it would change its sign: as near as it comes to that is no tilt.
         bent = _solve(grain, _held(bent.start, {**held, 2: _NO_TILT}), independent)
     if grain.pith is not None or grain.across is None or {0, 1, 2} & held.keys():
-        return _settle(grain, bent, independent)
+        return _settle(grain, bent, independent, held)
     straight = _solve(grain, _held(_straight(grain), held), independent)
     worth = np.exp(_MORE * np.log(independent) / independent)  # by Schwarz's criterion
     agreement = [compare_directions(grain.directions, _distance(grain, end.vector))[0] for end in (straight, bent)]
     clearly = bent.cost * worth < straight.cost and agreement[1] > agreement[0] + _BENT
-    return _settle(grain, bent if clearly else straight, independent)
+    return _settle(grain, bent if clearly else straight, independent, held)
 
 
 def _straight(grain: Grain) -> _Start:
@@ -172,17 +171,16 @@ def _solve(grain: Grain, start: _Start, independent: float, begin: float | None 
     return _End(np.asarray(vector), cost, np.asarray(curvature), start)
 
 
-def _settle(grain: Grain, end: _End, independent: float) -> CountedRings:
+def _settle(grain: Grain, end: _End, independent: float, held: Held) -> CountedRings:
     """From where the count begins to whole rings: the remainder is for the axis to take up."""
     begin, bent = float(np.round(end.vector[5])), bool(end.start.free[2])
     free = end.vector[:GEOMETRY].copy()
     if bent:
         end = _solve(grain, end.start._replace(free=free), independent, begin)
         free = end.vector[:GEOMETRY]
-    else:
+    elif 0 not in held:
         free[0] -= (end.vector[5] - begin) * np.exp(free[4])
-    points = max(len(range(_STEP // 2, n, _STEP)) for n in grain.rings.shape) ** 2
-    spread = np.linalg.pinv(end.curvature, hermitian=True) * end.cost / points * max(points / independent, 1.0)
+    spread = np.asarray(np.linalg.pinv(end.curvature, hermitian=True), float) * end.cost / independent
     covariance = spread[:GEOMETRY, :GEOMETRY]
     if grain.across is None:
         # That it is end grain was seen by the lack of fibres; around the axis it looks the same however it is turned.

@@ -29,6 +29,7 @@ _RIGID = 0.2  # pixels: rings displaced by less are not
 _HOPELESS = 0.62  # overlap that none of the first starts has where there are no rings
 _STEEPEST = 0.4  # pixels of displacement from one pixel to the next: displaced more steeply, any rings would do
 _NO_TILT = 1e-6  # radians: none that could be seen, but a number
+_SHARE_ERROR = 0.01  # of early wood, in one ring: what pixels leave open
 _CLEAR = 0.7  # overlap, at least, of rings that have been found
 
 
@@ -63,8 +64,8 @@ def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) ->
         found, held = _move_to(early, found, held, middle)
     if found is None or found.overlap < _CLEAR:
         return None
-    if found.rings.free[2] < 0 and {0, 1, 3} & held.keys():
-        # Written with a positive tilt these would change their sign: as near as they come to it is no tilt.
+    if found.rings.free[2] < 0 and 1 in held:
+        # Written with a positive tilt it would change its sign: as near as it comes to that is no tilt.
         held = {**held, 2: _NO_TILT}
         followed = follow_rings(early - early.mean(), hold(found.rings.free[:GEOMETRY], held), held)[0]
         found = _try(early, np.append(followed, found.rings.free[GEOMETRY]), held) or found
@@ -141,7 +142,7 @@ def _try(early: Floats, free: Floats, held: Held) -> _Found | None:
 def _where_clear(strength: Floats, count: Floats, spacing: float) -> Mask:
     """Where the count can be trusted (H, W): away from the border and the pith, and where rings pass fast enough."""
     clear = np.zeros(count.shape, bool)
-    margin = min(int(spacing), min(count.shape) // 4)
+    margin = max(1, min(int(spacing), min(count.shape) // 4))
     clear[margin:-margin, margin:-margin] = True
     # Where rings pass slowly, the blur that parts them from their mirror image is too small.
     slope = np.hypot(*np.gradient(count)) * spacing
@@ -154,4 +155,4 @@ def _read_share(early: Floats, found: _Found) -> tuple[float, float]:
     share = float(np.clip(early[found.clear].mean(), 1e-3, 1 - 1e-3))
     fraction = float(np.clip(np.quantile(aside, share), 1e-3, 1 - 1e-3))
     rings = max(float(np.ptp(found.seen[found.clear])), 1.0)
-    return float(np.log(fraction / (1 - fraction))), 1e-2 / rings / (fraction * (1 - fraction)) ** 2 * 0.01
+    return float(np.log(fraction / (1 - fraction))), _SHARE_ERROR**2 / rings / (fraction * (1 - fraction)) ** 2

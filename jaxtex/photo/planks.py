@@ -142,8 +142,9 @@ def _complete(strong: NDArray[np.intp], lines: NDArray[np.intp], span: int) -> A
         pitch, begin = np.polyfit(number, strong, 1) if np.ptp(number) > 0 else (float(pitch), float(strong[0]))
         even = begin + pitch * np.arange(np.ceil(-begin / pitch), np.floor((span - begin) / pitch) + 1)
         if np.abs(begin + pitch * number - strong).max() < _EVEN * span and len(even) > len(strong):
-            near = [lines[np.abs(lines - place) < _EVEN * span] for place in even]
-            filled = [float(each[0]) for each in near if len(each) and not np.isin(each, strong).any()]
+            nearest = [lines[np.argmin(np.abs(lines - place))] for place in even]
+            close = [line for line, place in zip(nearest, even, strict=True) if abs(line - place) < _EVEN * span]
+            filled = [float(line) for line in close if np.abs(strong - line).min() > _EVEN * span]
             return np.concatenate([strong.astype(float), filled])
     return strong.astype(float)
 
