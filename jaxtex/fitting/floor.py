@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from jaxtex.core.errors import InputError
 from jaxtex.fitting.wood import WoodFit, fit_wood
 from jaxtex.models.wood import Wood, make_wood, trunk_coordinates
-from jaxtex.models.wood_files import wood_parameters
+from jaxtex.models.wood_files import canonical_wood
 from jaxtex.photo.automask import check_surface
 from jaxtex.photo.directions import main_direction, measure_directions
 from jaxtex.photo.evidence import shrink
@@ -228,18 +228,11 @@ def _placed(wood: Wood, turn: float, off: Floats) -> Wood:
     that is ``off`` from there (2,)."""
     across, along, _ = trunk_coordinates(*jnp.asarray(off), tilt=wood.tilt, rotation=wood.rotation)
     moved = wood.center + jnp.stack([across, along])
-    return _from(dict(wood_parameters(dataclasses.replace(wood, center=moved, rotation=wood.rotation + turn))))
+    return canonical_wood(dataclasses.replace(wood, center=moved, rotation=wood.rotation + turn))
 
 
 def _cut_elsewhere(wood: Wood, across: float, random: np.random.Generator) -> Wood:
     """Another photograph's wood on a plank whose grain runs a given way, cut somewhere near where that was."""
     spacing = float(wood.ring_spacing)
     moved = wood.center + random.uniform(-1, 1, 2) * np.array([10 * spacing, spacing])
-    turned = dataclasses.replace(wood, center=moved, rotation=jnp.asarray(across))
-    return _from(dict(wood_parameters(turned)))
-
-
-def _from(parameters: dict[str, Any]) -> Wood:
-    names = ("tilt_deg", "rotation_deg")
-    tilt, rotation = (np.radians(parameters.pop(name)) for name in names)
-    return make_wood(**parameters, tilt=tilt, rotation=rotation)
+    return canonical_wood(dataclasses.replace(wood, center=moved, rotation=jnp.asarray(across)))

@@ -63,11 +63,19 @@ def ring_count(free: Array, plank: Plank) -> Array:
     return ring_distance(free, plank)[0] * jnp.exp(-free[4])
 
 
-def early_wood(free: Array, plank: Plank, displacement: Array, blur: Array) -> Array:
-    """Share (N,) of early wood in a Gaussian spot of ``blur`` pixels, rings being displaced outwards by (N,) pixels."""
+def model_count(free: Floats, shape: tuple[int, ...]) -> Floats:
+    """The rings (H, W) of a vector, without turbulence."""
+    u, v = lay_plank(*shape)
+    with jax.enable_x64():
+        plank = Plank(jnp.asarray(u.ravel()), jnp.asarray(v.ravel()))
+        return np.asarray(_count(jnp.asarray(free[:GEOMETRY]), plank)).reshape(shape)
+
+
+def early_wood(free: Array, plank: Plank, blur: Array) -> Array:
+    """Share (N,) of early wood in a Gaussian spot of ``blur`` pixels."""
     distance, slope = ring_distance(free, plank)
     spacing = jnp.exp(free[4])
-    return early_share((distance + displacement) / spacing, jax.nn.sigmoid(free[5]), blur * slope / spacing)
+    return early_share(distance / spacing, jax.nn.sigmoid(free[5]), blur * slope / spacing)
 
 
 def wave_squares(free: Array, plank: Plank) -> Array:
@@ -94,6 +102,11 @@ def canonical_rings(free: Floats) -> tuple[Floats, Floats]:
     signs = np.ones(len(free))
     signs[:3] = mirror[0], mirror[1], mirror[1] * mirror[2]
     return np.array([free[0] * signs[0], free[1] * signs[1], tilt, rotation, *free[4:]]), signs
+
+
+@jax.jit
+def _count(free: Array, plank: Plank) -> Array:
+    return ring_count(free, plank)
 
 
 def _from_axis(free: Array, plank: Plank) -> tuple[Array, Array]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from skimage import transform
 
 from jaxtex.core.errors import InputError
-from jaxtex.fitting.rings import GEOMETRY, Held, canonical_rings
+from jaxtex.fitting.rings import GEOMETRY, Held, canonical_rings, model_count
 from jaxtex.fitting.verdict import mean_iou
 from jaxtex.fitting.wood_choices import hold_wood
 from jaxtex.fitting.wood_count import fit_count
@@ -25,7 +25,6 @@ from jaxtex.fitting.wood_outcome import (
     Seen,
     is_early,
     measure_displacement,
-    model_count,
     read_colours,
     read_displacement,
     standard_errors,

@@ -14,7 +14,7 @@ import optimistix as optx
 from jax import Array
 from numpy.typing import NDArray
 
-from jaxtex.fitting.rings import GEOMETRY, Held, Plank, hold, lay_plank, ring_count, ring_distance
+from jaxtex.fitting.rings import GEOMETRY, Held, Plank, hold, lay_plank, model_count, ring_count
 from jaxtex.fitting.wood_grain import Grain
 from jaxtex.photo.directions import compare_directions
 
@@ -82,7 +82,9 @@ def fit_count(grain: Grain, held: Held) -> CountedRings:
         return _settle(grain, bent, independent, held)
     straight = _solve(grain, _held(_straight(grain), held), independent)
     worth = np.exp(_MORE * np.log(independent) / independent)  # by Schwarz's criterion
-    agreement = [compare_directions(grain.directions, _distance(grain, end.vector))[0] for end in (straight, bent)]
+    agreement = [
+        compare_directions(grain.directions, model_count(end.vector, grain.rings.shape))[0] for end in (straight, bent)
+    ]
     clearly = bent.cost * worth < straight.cost and agreement[1] > agreement[0] + _BENT
     return _settle(grain, bent if clearly else straight, independent, held)
 
@@ -135,13 +137,6 @@ def _across(grain: Grain) -> float:
 def _count_from(grain: Grain, sense: float) -> Floats:
     """The rings counted outwards; counted the other way, late wood still lies before the whole number."""
     return grain.rings if sense > 0 else 0.5 - grain.rings
-
-
-def _distance(grain: Grain, vector: Floats) -> Floats:
-    u, v = lay_plank(*grain.rings.shape)
-    with jax.enable_x64():
-        plank = Plank(jnp.asarray(u.ravel()), jnp.asarray(v.ravel()))
-        return np.asarray(ring_distance(jnp.asarray(vector), plank)[0]).reshape(u.shape)
 
 
 def _solve(grain: Grain, start: _Start, independent: float, begin: float | None = None) -> _End:

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 from skimage.filters import threshold_otsu
 
 from jaxtex.fitting.rings import lay_plank
@@ -20,6 +19,7 @@ from jaxtex.photo.directions import (
     main_direction,
     measure_directions,
     smooth_along,
+    weigh_directions,
 )
 from jaxtex.photo.ring_lines import Ray, count_lines, even_out_rings, measure_spacing
 
@@ -140,9 +140,7 @@ def _vote_for_pith(directions: Directions) -> tuple[tuple[float, float], float]:
     are the same.
     """
     near = np.s_[1::2, 1::2]
-    near_energy = ndimage.gaussian_filter(directions.energy, max(directions.energy.shape) / 10)
-    strength = np.minimum(np.sqrt(directions.energy / near_energy), 1.5)
-    weight = (np.abs(directions.across) / directions.energy * strength)[near]
+    weight = weigh_directions(directions)[near]
     seen = weight * np.exp(2j * np.angle(directions.across[near]))
     rows, columns = (2 * np.arange(-n + 1, n) for n in seen.shape)
     away = np.exp(4j * np.arctan2(rows[:, None], columns[None]))
@@ -151,7 +149,7 @@ def _vote_for_pith(directions: Directions) -> tuple[tuple[float, float], float]:
         window = np.exp(-0.5 * (rows[:, None] ** 2 + columns[None] ** 2) / (reach * min(directions.energy.shape)) ** 2)
         pointing, running, known = (
             _correlate(part, kernel)
-            for part, kernel in ((seen, away * window), (seen, window + 0j), (weight + 0j, window + 0j))
+            for part, kernel in ((seen, away * window), (seen, window + 0j), (weight.astype(complex), window + 0j))
         )
         gain = (pointing.real - np.abs(running)) / np.maximum(known.real, 0.3 * known.real.max())
         if float(gain.max()) > best[0]:

@@ -2,14 +2,11 @@
 
 from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax.typing import ArrayLike
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from jaxtex.fitting.rings import GEOMETRY, Plank, lay_plank, ring_count
+from jaxtex.fitting.rings import GEOMETRY, model_count
 from jaxtex.models.wood import Wood, make_wood
 
 Floats = NDArray[np.float64]
@@ -42,17 +39,8 @@ def is_early(count: Floats, logit: float) -> Mask:
     return np.sin(2 * np.pi * count) > np.cos(np.pi / (1 + np.exp(-logit)))
 
 
-def model_count(free: Floats, shape: tuple[int, ...]) -> Floats:
-    """The rings (H, W) of a vector, without turbulence."""
-    u, v = lay_plank(*shape)
-    with jax.enable_x64():
-        plank = Plank(jnp.asarray(u.ravel()), jnp.asarray(v.ravel()))
-        return np.asarray(_count(jnp.asarray(free[:GEOMETRY]), plank)).reshape(shape)
-
-
 def read_displacement(count: Floats, free: Floats) -> Floats:
-    """By how many pixels the rings counted (H, W) lie further out than a vector's."""
-    # Rings further out are those that, counted, are fewer at the same place.
+    """What is added to the distance (H, W), pixels, that a vector's rings be those counted (H, W)."""
     return (count - model_count(free, count.shape)) * float(np.exp(free[4]))
 
 
@@ -134,8 +122,3 @@ def _middle_colour(picture: NDArray[np.float32], mask: Mask, *, dark: bool) -> F
     # The borders between both kinds are mixed: the paper's quartiles lie well inside each of them.
     pure = light <= np.median(light) if dark else light >= np.median(light)
     return np.broadcast_to(np.median(pixels[pure], axis=0), 3).astype(float)
-
-
-@jax.jit
-def _count(free: ArrayLike, plank: Plank) -> jax.Array:
-    return ring_count(jnp.asarray(free), plank)

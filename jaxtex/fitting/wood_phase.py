@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.restoration import unwrap_phase
 
-from jaxtex.fitting.rings import GEOMETRY, Held, Plank, lay_plank, loosen, ring_count
+from jaxtex.fitting.rings import GEOMETRY, Held, Plank, lay_plank, loosen, model_count, ring_count
 
 Floats = NDArray[np.float64]
 
@@ -54,10 +54,7 @@ def compare_rings(rings: Floats, free: Floats, *, blur: float) -> tuple[Floats, 
     """By how many rings the observed ones lie further out than those of a vector (5,), unwrapped; how clearly they are
     seen; and the vector's own count of rings; all (H, W)."""
     height, width = rings.shape
-    u, v = lay_plank(height, width)
-    with jax.enable_x64():
-        plank = Plank(jnp.asarray(u.ravel()), jnp.asarray(v.ravel()))
-        count = np.asarray(_count(jnp.asarray(free[:GEOMETRY]), plank)).reshape(height, width)
+    count = model_count(free, (height, width))
     turned = rings * np.exp(-2j * np.pi * (count - 0.25))
     sigma = max(blur, 3.0)
     mean = ndimage.gaussian_filter(turned.real, sigma) + 1j * ndimage.gaussian_filter(turned.imag, sigma)
@@ -84,11 +81,6 @@ def _fit_count(
             if np.isfinite(found).all() and float(cost) < 0.98 * best[0]:
                 best = float(cost), np.asarray(found)
     return best[1]
-
-
-@jax.jit
-def _count(free: Array, plank: Plank) -> Array:
-    return ring_count(free, plank)
 
 
 @jax.jit

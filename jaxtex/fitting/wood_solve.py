@@ -22,13 +22,12 @@ _SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-6, atol=1e-6)
 
 class Problem(NamedTuple):
     """``free`` (6,), where it starts; ``scale`` (6,), what moves a ring by about a pixel; ``plank``, the points;
-    ``early`` (N,), how much of each is early wood, blurred by ``blur`` pixels; ``displacement`` (N,) of the rings."""
+    ``early`` (N,), how much of each is early wood, blurred by ``blur`` pixels."""
 
     free: Array
     scale: Array
     plank: Plank
     early: Array
-    displacement: Array
     blur: Array
 
 
@@ -40,19 +39,18 @@ class Rings(NamedTuple):
     unexplained: float
 
 
-def fit_mask(early: Floats, free: Floats, held: Held, displacement: Floats | None = None) -> Rings:
-    """Carry a vector (6,) on to the mask of early wood (H, W), rings being displaced outwards by (H, W) pixels."""
-    displacement = np.zeros_like(early) if displacement is None else displacement
+def fit_mask(early: Floats, free: Floats, held: Held) -> Rings:
+    """Carry a vector (6,) on to the mask of early wood (H, W)."""
     spacing = float(np.exp(free[4]))
     rings = Rings(free, np.zeros((len(NAMES),) * 2), 1.0)
     for blur, step in ((max(0.12 * spacing, 1.5), 4), (1.5, 2), (0.5, 2), (0.0, 1)):
-        rings = _solve_level(early, rings.free, held, displacement, blur=blur, step=step)
+        rings = _solve_level(early, rings.free, held, blur=blur, step=step)
         if not np.isfinite(rings.free).all() or rings.unexplained > _FAR:
             break
     return rings
 
 
-def _solve_level(early: Floats, free: Floats, held: Held, displacement: Floats, *, blur: float, step: int) -> Rings:
+def _solve_level(early: Floats, free: Floats, held: Held, *, blur: float, step: int) -> Rings:
     height, width = early.shape
     smooth = ndimage.gaussian_filter(early, blur, mode="nearest") if blur else early
     near = slice(step // 2, None, step)
@@ -64,7 +62,6 @@ def _solve_level(early: Floats, free: Floats, held: Held, displacement: Floats, 
             scale=jnp.asarray(loosen([1.0, 1.0, size, size, size, 0.05], held)),
             plank=Plank(*(jnp.asarray(each.ravel()) for each in lay_plank(height, width, step))),
             early=jnp.asarray(seen),
-            displacement=jnp.asarray(displacement[near, near].ravel()),
             blur=jnp.asarray(np.hypot(blur, _PIXEL)),
         )
         found, cost, curvature = jax.device_get(_solve(problem))
@@ -92,4 +89,4 @@ def _solve(problem: Problem) -> tuple[Array, Array, Array]:
 
 def _residuals(step: Array, problem: Problem) -> Array:
     free = problem.free + step * problem.scale
-    return early_wood(free, problem.plank, problem.displacement, problem.blur) - problem.early
+    return early_wood(free, problem.plank, problem.blur) - problem.early

@@ -102,7 +102,7 @@ def follow_grain(directions: Directions, rings: Array, *, clear: NDArray[np.bool
     at = np.ix_(rows, columns)
     angle = np.angle(directions.across) / 2 + np.pi / 2
     x, y = np.cos(angle)[at].ravel(), np.sin(angle)[at].ravel()
-    weight = _weigh(directions) if clear is None else _weigh(directions) * clear
+    weight = weigh_directions(directions) if clear is None else weigh_directions(directions) * clear
     weight = weight[at].ravel()
     down, right = (np.asarray(slope)[at].ravel() for slope in np.gradient(rings))
     d_right, d_down = _differences(shape, spacing)
@@ -126,7 +126,7 @@ def compare_directions(directions: Directions, rings: Array) -> tuple[float, flo
     return agreement, crossing, ~(strong & (aside > _ASTRAY))
 
 
-def _weigh(directions: Directions) -> Array:
+def weigh_directions(directions: Directions) -> Array:
     """How much each place (H, W) tells: by how clear its direction is, and how strong for its neighbourhood."""
     near = ndimage.gaussian_filter(directions.energy, max(directions.energy.shape) / 10)
     strength = np.minimum(np.sqrt(directions.energy / near), _GLARE)
