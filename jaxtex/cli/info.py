@@ -99,7 +99,6 @@ def _parameter_table(file: "TilingFile | WoodFile", *, meaning: bool) -> Any:
 
     from jaxtex.models.files import TilingFile
 
-    values, described = _tiling_parameters(file) if isinstance(file, TilingFile) else _wood_parameters(file)
     errors, start = file.report["standard_errors"], file.report["start"] or {}
     determined = {} if isinstance(file, TilingFile) else file.determined
     table = Table("parameter", "value", "±", "start", box=None, pad_edge=False)
@@ -107,27 +106,24 @@ def _parameter_table(file: "TilingFile | WoodFile", *, meaning: bool) -> Any:
         column.no_wrap = True
     if meaning:
         table.add_column("meaning")
-    for name, value in values.items():
+    for name, (value, title) in _list_parameters(file).items():
         started = _show(start.get(name))
-        told = [described[name]["title"]] if meaning else []
+        told = [title] if meaning else []
         error = _show(errors.get(name), digits=2) if determined.get(name, True) else _ASSUMED
         table.add_row(name, _show(value), error, started, *told)
     return table
 
 
-def _tiling_parameters(file: "TilingFile") -> tuple[dict[str, Any], dict[str, Any]]:
+def _list_parameters(file: "TilingFile | WoodFile") -> dict[str, tuple[Any, str]]:
     """Values, and what the schema says about them."""
-    from jaxtex.models.files import tiling_parameters, tiling_schema
+    from jaxtex.models.files import TilingFile, tiling_parameters, tiling_schema
+    from jaxtex.models.wood_files import list_parameters
 
+    if not isinstance(file, TilingFile):
+        return list_parameters(file.wood)
+    described = tiling_schema()["$defs"]["parameters"]["properties"]
     values = tiling_parameters(file.tiling, rows=file.rows, columns=file.columns, mm_per_px=file.mm_per_px)
-    return values, tiling_schema()["$defs"]["parameters"]["properties"]
-
-
-def _wood_parameters(file: "WoodFile") -> tuple[dict[str, Any], dict[str, Any]]:
-    """Likewise."""
-    from jaxtex.models.wood_files import wood_parameters, wood_schema
-
-    return wood_parameters(file.wood), wood_schema()["$defs"]["parameters"]["properties"]
+    return {name: (value, described[name]["title"]) for name, value in values.items()}
 
 
 def _show(value: Any, digits: int = 6) -> str:

@@ -63,12 +63,12 @@ def ring_count(free: Array, plank: Plank) -> Array:
     return ring_distance(free, plank)[0] * jnp.exp(-free[4])
 
 
-def model_count(free: Floats, shape: tuple[int, ...]) -> Floats:
-    """The rings (H, W) of a vector, without turbulence."""
-    u, v = lay_plank(*shape)
+def model_count(free: Floats, shape: tuple[int, ...], every: int = 1) -> Floats:
+    """The rings of a vector, without turbulence, at ``every`` so many pixels of a picture (H, W)."""
+    u, v = lay_plank(shape[0], shape[1], every)
     with jax.enable_x64():
         plank = Plank(jnp.asarray(u.ravel()), jnp.asarray(v.ravel()))
-        return np.asarray(_count(jnp.asarray(free[:GEOMETRY]), plank)).reshape(shape)
+        return np.asarray(_count(jnp.asarray(free[:GEOMETRY]), plank)).reshape(u.shape)
 
 
 def early_wood(free: Array, plank: Plank, blur: Array) -> Array:

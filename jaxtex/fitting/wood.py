@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 from skimage import transform
@@ -19,6 +20,7 @@ from jaxtex.fitting.rings import GEOMETRY, Held, canonical_rings, model_count
 from jaxtex.fitting.verdict import mean_iou
 from jaxtex.fitting.wood_choices import hold_wood
 from jaxtex.fitting.wood_count import fit_count
+from jaxtex.fitting.wood_detail import read_fibres, read_gradation, smooth_displacement, sum_cosines
 from jaxtex.fitting.wood_drawn import read_drawn
 from jaxtex.fitting.wood_grain import Grain, read_grain
 from jaxtex.fitting.wood_outcome import (
@@ -141,7 +143,7 @@ def fit_wood(
         early = early if mask is not None else _enlarge(grain.early, picture.shape[:2])
     clock.note("rings")
     tell(2, 3)
-    fit = _describe(picture, seen, early, scale, clock)
+    fit = _describe(picture, light, seen, early, scale, clock)
     tell(3, 3)
     return dataclasses.replace(fit, ok=not reason, reason=reason)
 
@@ -180,22 +182,34 @@ def _judge(grain: Grain) -> str:
     return ""
 
 
-def _describe(picture: NDArray[np.float32], seen: Seen, early: Mask, scale: float, clock: "_Clock") -> WoodFit:
+def _describe(
+    picture: NDArray[np.float32], light: Floats, seen: Seen, early: Mask, scale: float, clock: "_Clock"
+) -> WoodFit:
     shape = picture.shape[:2]
-    rigid = model_count(seen.free, seen.rings.shape)
+    rings = _enlarge(seen.rings, shape)
+    displacement = read_displacement(seen.rings, seen.free) * scale
     logit = float(seen.free[GEOMETRY])
-    overlaps = [mean_iou(seen.early, is_early(rings, logit)) for rings in (rigid, seen.rings)]
-    wood = wood_of(seen.free, seen.turbulence, read_colours(picture, early), scale=scale)
+    wood = wood_of(seen.free, seen.turbulence, read_colours(picture, rings, logit), scale=scale)
+    fibres = read_fibres(picture)
+    field = smooth_displacement(displacement, seen.clear, wood, scale=scale)
+    wood = dataclasses.replace(
+        wood,
+        gradation=jnp.asarray(read_gradation(light, seen.rings, seen.clear, float(wood.early_fraction))),
+        fibres=fibres if float(fibres.contrast) > 0 else None,
+        displacement=field if seen.turbulence[0] > 0 else None,
+    )
     errors = standard_errors(seen, scale=scale)
     unit = np.array([scale, scale, 1.0, 1.0, 1.0, 1.0])
-    displacement = read_displacement(seen.rings, seen.free) * scale
+    rigid = model_count(seen.free, seen.rings.shape)
+    displaced = rigid + sum_cosines(field, seen.rings.shape) / float(wood.ring_spacing)
+    overlaps = [mean_iou(seen.early, is_early(each, logit)) for each in (rigid, displaced)]
     clock.note("description")
     return WoodFit(
         ok=True,
         reason="",
         wood=wood,
         mask=early,
-        rings=_enlarge(seen.rings, shape).astype(np.float32),
+        rings=rings.astype(np.float32),
         displacement=_enlarge(displacement, shape).astype(np.float32),
         clear=_enlarge(seen.clear, shape),
         iou=(overlaps[0], overlaps[1]),

@@ -15,15 +15,17 @@ from jaxtex.fitting.wood_outcome import Seen, is_early
 from jaxtex.fitting.wood_phase import compare_rings, follow_rings
 from jaxtex.fitting.wood_solve import Rings, fit_mask
 from jaxtex.fitting.wood_start import list_starts
-from jaxtex.fitting.wood_turbulence import fit_turbulence
+from jaxtex.fitting.wood_turbulence import Turbulence, fit_turbulence
+from jaxtex.photo.ring_lines import follow_lines
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _FOUND = 0.1  # share of the mask's variance left, below which no other start is looked for
-_FOLLOWED = 0.9  # overlap of the mask with displaced rings, above which none is either,
+_FOLLOWED = 0.82  # overlap of the mask with displaced rings, above which none is either,
 _STRAYED = 0.25  # if these are displaced by less than so many rings
-_TRIED = 2  # starts of each batch whose mask is fitted
+_STRAYING = 0.5  # of overlap, that a displacement by a ring costs
+_APART = np.array([2.0, 2.0, 0.01, 0.01, 0.01])  # rings that differ by less are the same
 _MOVES = 4  # towards a given middle of the ellipses
 _RIGID = 0.2  # pixels: rings displaced by less are not
 _HOPELESS = 0.62  # overlap that none of the first starts has where there are no rings
@@ -43,15 +45,20 @@ class _Found(NamedTuple):
     overlap: float
     strayed: float
 
+    def is_exact(self) -> bool:
+        """Whether the rings explain the mask as they stand."""
+        return self.rings.unexplained < _FOUND
+
     def is_good(self) -> bool:
         """Whether no other start need be looked for."""
-        return self.rings.unexplained < _FOUND or (self.overlap > _FOLLOWED and self.strayed < _STRAYED)
+        return self.overlap > _FOLLOWED and self.strayed < _STRAYED
 
     def worse_than(self, other: "_Found") -> bool:
-        """Whether another explains the mask better; or as well, with rings that stray less."""
-        if min(self.overlap, other.overlap) > _FOLLOWED:
-            return other.strayed < self.strayed
-        return other.overlap > self.overlap
+        """Whether another explains the mask better as it stands; or else, with rings that stray less: displaced far
+        enough, any rings would do."""
+        if self.is_exact() or other.is_exact():
+            return other.rings.unexplained < self.rings.unexplained
+        return other.overlap - _STRAYING * other.strayed > self.overlap - _STRAYING * self.strayed
 
 
 def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) -> Seen | None:
@@ -70,21 +77,25 @@ def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) ->
         followed = follow_rings(early - early.mean(), hold(found.rings.free[:GEOMETRY], held), held)[0]
         found = _try(early, np.append(followed, found.rings.free[GEOMETRY]), held) or found
     free, covariance, turbulence = found.rings.free.copy(), found.rings.covariance.copy(), (0.0, 0.0)
-    fitted = fit_turbulence(found.seen, found.clear, free[:GEOMETRY], held)
+    # The blur that rings were looked at through took from their displacement; what is left is followed.
+    seen = follow_lines(early - early.mean(), found.seen, float(np.exp(free[4])))
+    fitted = fit_turbulence(seen, found.clear, free[:GEOMETRY], held)
     if fitted is not None:
+        if fitted.rms > _RIGID:
+            fitted, seen = _recount(fitted, seen, found.clear, held)
         turbulence = fitted.rms, fitted.frequency
         if fitted.rms > _RIGID:
             free[:GEOMETRY] = fitted.free
             covariance = np.zeros((len(free),) * 2)
             covariance[:GEOMETRY, :GEOMETRY] = fitted.covariance
             if GEOMETRY not in held:
-                free[GEOMETRY], covariance[GEOMETRY, GEOMETRY] = _read_share(early, found)
+                free[GEOMETRY], covariance[GEOMETRY, GEOMETRY] = _read_share(early, seen, found.clear)
     written, signs = canonical_rings(free)
     return Seen(
         early=early > 0.5,
         free=written,
         covariance=covariance * np.outer(signs, signs),
-        rings=found.seen,
+        rings=seen,
         clear=found.clear,
         turbulence=turbulence,
     )
@@ -95,15 +106,20 @@ def _find_rings(early: Floats, held: Held) -> _Found | None:
     share = float(early.mean())
     logit = held.get(GEOMETRY, float(np.log(share / (1 - share))))
     best: _Found | None = None
+    tried: list[Floats] = []
     for number, starts in enumerate(list_starts(early - share, held)):
-        followed = sorted((follow_rings(early - share, start, held) for start in starts), key=lambda each: -each[1])
-        for free, _ in followed[:_TRIED]:
-            found = _try(early, np.append(free[:GEOMETRY], logit), held)
+        for start in starts:
+            free = follow_rings(early - share, start, held)[0]
+            if any((np.abs(free - other) < _APART).all() for other in tried):
+                continue
+            tried.append(free)
+            found = _try(early, np.append(free, logit), held)
             if found is not None and (best is None or best.worse_than(found)):
                 best = found
-        if best is not None and best.is_good():
-            break
-        if number == 1 and (best is None or best.overlap < _HOPELESS):
+            if best is not None and best.is_exact():
+                return best
+        # Straight rings with a little turbulence look like those around a pith: both kinds of starts are compared.
+        if number == 1 and (best is None or best.is_good() or best.overlap < _HOPELESS):
             break
     return best
 
@@ -149,10 +165,21 @@ def _where_clear(strength: Floats, count: Floats, spacing: float) -> Mask:
     return clear & (count > 2.0) & (slope > 0.7) & (strength > 0.3 * strength.max())
 
 
-def _read_share(early: Floats, found: _Found) -> tuple[float, float]:
-    """Logit of the share of early wood, and its variance: as much of each ring as the mask has of it."""
-    aside = np.abs((found.seen - 0.25 + 0.5) % 1 - 0.5)[found.clear] * 2
-    share = float(np.clip(early[found.clear].mean(), 1e-3, 1 - 1e-3))
+def _recount(fitted: Turbulence, seen: Floats, clear: Mask, held: Held) -> tuple[Turbulence, Floats]:
+    """The likeliest of the rings seen (H, W) and those with one ring more or less around the pith: with a displacement
+    of its own, either count explains the mask."""
+    free, recounted = fitted.free, seen
+    for more in (-1.0, 1.0):
+        other = fit_turbulence(seen + more, clear, free, held)
+        if other is not None and np.isfinite(other.free).all() and other.likelihood > fitted.likelihood:
+            fitted, recounted = other, seen + more
+    return fitted, recounted
+
+
+def _read_share(early: Floats, seen: Floats, clear: Mask) -> tuple[float, float]:
+    """Logit of the share of early wood, and its variance: as much of each ring (H, W) as the mask has of it."""
+    aside = np.abs((seen - 0.25 + 0.5) % 1 - 0.5)[clear] * 2
+    share = float(np.clip(early[clear].mean(), 1e-3, 1 - 1e-3))
     fraction = float(np.clip(np.quantile(aside, share), 1e-3, 1 - 1e-3))
-    rings = max(float(np.ptp(found.seen[found.clear])), 1.0)
+    rings = max(float(np.ptp(seen[clear])), 1.0)
     return float(np.log(fraction / (1 - fraction))), _SHARE_ERROR**2 / rings / (fraction * (1 - fraction)) ** 2

@@ -21,7 +21,7 @@ from jaxtex.photo.directions import (
     smooth_along,
     weigh_directions,
 )
-from jaxtex.photo.ring_lines import Ray, count_lines, even_out_rings, measure_spacing
+from jaxtex.photo.ring_lines import Ray, count_lines, even_out_rings, follow_lines, measure_spacing
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -87,7 +87,7 @@ def read_grain(light: Floats, *, across: float | None = None, middle: tuple[floa
     return Grain(
         early=even > threshold_otsu(even),
         directions=directions,
-        rings=count_lines(even, levels, spacing),
+        rings=follow_lines(even, count_lines(even, levels, spacing), spacing),
         clear=compare_directions(directions, levels)[2],
         spacing=spacing,
         across=across,

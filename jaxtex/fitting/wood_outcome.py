@@ -4,7 +4,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from jaxtex.fitting.rings import GEOMETRY, model_count
 from jaxtex.models.wood import Wood, make_wood
@@ -56,9 +55,12 @@ def measure_displacement(displacement: Floats, clear: Mask) -> tuple[float, floa
     return float(free[clear].std()), float((radius * power).sum() / max(float(power.sum()), 1e-30))
 
 
-def read_colours(picture: NDArray[np.float32], early: Mask) -> tuple[Floats, Floats]:
-    """Linear colours (3,) of early and late wood: the middle half of each, away from their borders (section 3.1)."""
-    return _middle_colour(picture, early, dark=False), _middle_colour(picture, ~early, dark=True)
+def read_colours(picture: NDArray[np.float32], rings: Floats, logit: float) -> tuple[Floats, Floats]:
+    """Linear colours (3,) of early and late wood in a picture (H, W, C): the middle half of each, by its count of rings
+    (H, W). Section 3.1 takes quartiles of lightness; these would count fibres as rings."""
+    fraction = 1 / (1 + np.exp(-logit))
+    aside = np.abs((rings - 0.25 + 0.5) % 1 - 0.5)
+    return _colour_of(picture, aside < 0.25 * fraction), _colour_of(picture, aside > 0.25 + 0.25 * fraction)
 
 
 def wood_of(free: Floats, turbulence: tuple[float, float], colours: tuple[Floats, Floats], *, scale: float) -> Wood:
@@ -115,10 +117,6 @@ def what_is_told(errors: dict[str, Any], wood: Wood) -> dict[str, bool]:
     }
 
 
-def _middle_colour(picture: NDArray[np.float32], mask: Mask, *, dark: bool) -> Floats:
-    inner = ndimage.binary_erosion(mask, iterations=1)
-    pixels = picture[inner if inner.sum() > 100 else mask]
-    light = pixels.mean(axis=1)
-    # The borders between both kinds are mixed: the paper's quartiles lie well inside each of them.
-    pure = light <= np.median(light) if dark else light >= np.median(light)
-    return np.broadcast_to(np.median(pixels[pure], axis=0), 3).astype(float)
+def _colour_of(picture: NDArray[np.float32], mask: Mask) -> Floats:
+    pixels = picture[mask] if mask.any() else picture.reshape(-1, picture.shape[2])
+    return np.broadcast_to(np.median(pixels, axis=0), 3).astype(float)

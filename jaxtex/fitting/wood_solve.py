@@ -17,7 +17,10 @@ Floats = NDArray[np.float64]
 _PIXEL = np.sqrt(1 / 12)  # a pixel's own blur
 _FAR = 0.6  # share of the mask's variance left, above which a coarse fit has the wrong rings and is not carried on
 
-_SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-6, atol=1e-6)
+_DISPLACED = 0.2  # likewise, above which no rings explain the mask unless they are displaced
+_WEIGHT = 100.0  # of residuals: the damping of 1 that the solver begins with is a light one for these
+
+_SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-4, atol=1e-4)
 
 
 class Problem(NamedTuple):
@@ -43,9 +46,9 @@ def fit_mask(early: Floats, free: Floats, held: Held) -> Rings:
     """Carry a vector (6,) on to the mask of early wood (H, W)."""
     spacing = float(np.exp(free[4]))
     rings = Rings(free, np.zeros((len(NAMES),) * 2), 1.0)
-    for blur, step in ((max(0.12 * spacing, 1.5), 4), (1.5, 2), (0.5, 2), (0.0, 1)):
+    for blur, step, most in ((max(0.12 * spacing, 1.5), 4, _FAR), (1.5, 2, _DISPLACED), (0.0, 1, 1.0)):
         rings = _solve_level(early, rings.free, held, blur=blur, step=step)
-        if not np.isfinite(rings.free).all() or rings.unexplained > _FAR:
+        if not np.isfinite(rings.free).all() or rings.unexplained > most:
             break
     return rings
 
@@ -82,11 +85,11 @@ def _solve(problem: Problem) -> tuple[Array, Array, Array]:
     """The vector (6,) found, its sum of squares, and the curvature (6, 6) there by scaled steps."""
     start = jnp.zeros_like(problem.free)
     answer: optx.Solution = optx.least_squares(_residuals, _SOLVER, start, problem, max_steps=40, throw=False)
-    residuals = _residuals(answer.value, problem)
-    rows = jax.jacfwd(_residuals)(answer.value, problem)
+    residuals = _residuals(answer.value, problem) / _WEIGHT
+    rows = jax.jacfwd(_residuals)(answer.value, problem) / _WEIGHT
     return problem.free + answer.value * problem.scale, jnp.sum(residuals**2), rows.T @ rows
 
 
 def _residuals(step: Array, problem: Problem) -> Array:
     free = problem.free + step * problem.scale
-    return early_wood(free, problem.plank, problem.blur) - problem.early
+    return _WEIGHT * (early_wood(free, problem.plank, problem.blur) - problem.early)

@@ -40,6 +40,7 @@ _OUTLIER = 0.3  # of the squared frequency: pieces that differ by more count les
 _APART = np.array([50.0, 50.0, 0.17, 0.17, 0.1])  # starts that differ by less end alike
 _PITH_LEANS = (0.02, 0.06, 0.15, 0.3, 0.5, 0.75)
 _MOST_AXES = 64  # to either side of the middle: so many places can be tried in the time there is
+_PIECES = 64  # of a picture: their number is rounded up to a multiple of this
 _POINTS = 12_288  # of the picture, on which places are compared
 _BLOCKS = 8  # parts of the picture along a side, each coherent by itself
 
@@ -74,18 +75,19 @@ def read_waves(waves: LocalWaves, shape: tuple[int, ...], held: Held) -> list[Fl
         for middle in _MIDDLES
     ]
     scale = loosen([width, height * 0.5, 0.3, 0.3, 0.3], held)
+    unit = float(np.median(length[sure])) ** -2
+    # How many pieces tell depends on the picture; few lengths share few compilations.
+    place, wave, weight = (np.pad(each, [(0, -len(each) % _PIECES), *[(0, 0)] * (each.ndim - 1)]) for each in waves)
     with jax.enable_x64():
-        plank = Plank(*(jnp.asarray(each) for each in waves.place.T))
-        unit = float(np.median(length[sure])) ** -2
-        seen = jnp.asarray(square_waves(jnp.asarray(waves.wave))) * unit
+        plank = Plank(*(jnp.asarray(each) for each in place.T))
+        seen = jnp.asarray(square_waves(jnp.asarray(wave))) * unit
         ends, costs = jax.device_get(
-            _solve_waves(jnp.asarray(np.array(begin)), jnp.asarray(scale), plank, seen, jnp.asarray(waves.weight), unit)
+            _solve_waves(jnp.asarray(np.array(begin)), jnp.asarray(scale), plank, seen, jnp.asarray(weight), unit)
         )
-    order = np.argsort(np.where(np.isfinite(costs), costs, np.inf))
-    best = costs[order[0]]
     # Rings finer than pixels tell, or wider than the picture, are the way out of fits that find none.
     spaced = (np.log(FINEST) <= ends[:, 4]) & (ends[:, 4] <= np.log(max(shape)))
-    worth = [n for n in order if costs[n] <= _WORTH * best + 1.0 and spaced[n]]
+    costs = np.where(spaced & np.isfinite(costs), costs, np.inf)
+    worth = [n for n in np.argsort(costs) if costs[n] <= _WORTH * costs.min() + 1.0 and spaced[n]]
     return _differing(ends[n] if held else canonical_rings(ends[n])[0] for n in worth)
 
 

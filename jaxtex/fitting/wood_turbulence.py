@@ -15,7 +15,7 @@ from jax import Array
 from numpy.typing import NDArray
 from scipy import linalg
 
-from jaxtex.fitting.rings import GEOMETRY, Held, Plank, ring_distance
+from jaxtex.fitting.rings import GEOMETRY, Held, Plank, model_count, ring_count
 
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -31,12 +31,14 @@ _STEPS = 10
 
 class Turbulence(NamedTuple):
     """``free`` (5,) and its ``covariance`` (5, 5), turbulence accounted for; ``rms`` of the displacement within the
-    picture, its mean left aside, pixels; ``frequency``, cycles per pixel."""
+    picture, its mean left aside, pixels; ``frequency``, cycles per pixel; ``likelihood``, logarithm, of the rings seen,
+    up to a constant."""
 
     free: Floats
     covariance: Floats
     rms: float
     frequency: float
+    likelihood: float
 
 
 class _Cells(NamedTuple):
@@ -49,10 +51,7 @@ class _Cells(NamedTuple):
 def fit_turbulence(rings: Floats, clear: Mask, free: Floats, held: Held) -> Turbulence | None:
     """Fit rings and turbulence to the rings seen (H, W) where that is clear, from a vector (5,); None where too
     little is."""
-    height, width = rings.shape
-    v, u = np.mgrid[0:height, 0:width] + 0.5
-    pixels = np.stack([u.ravel() - width / 2, v.ravel() - height / 2], axis=1)
-    cells = _average_about(rings, clear, free, pixels)
+    cells = _average_about(rings, clear, free)
     if len(cells.rings) < 4 * GEOMETRY:
         return None
     loose = [n for n in range(GEOMETRY) if n not in held]
@@ -61,32 +60,33 @@ def fit_turbulence(rings: Floats, clear: Mask, free: Floats, held: Held) -> Turb
     found = free[:GEOMETRY].copy()
     unit = float(np.exp(found[4]))
     for _ in range(_ROUNDS):
-        cells = _average_about(rings, clear, found, pixels)
+        cells = _average_about(rings, clear, found)
         off, rows = _linearise(found, cells, unit)
         fits = [_likelihood(each, off, rows[:, loose]) for each in correlations]
         number = int(np.argmax([fit.likelihood for fit in fits]))
         found = _descend(found, cells, loose, fits[number], unit)
     off, rows = _linearise(found, cells, unit)
     covariance = np.zeros((GEOMETRY, GEOMETRY))
-    covariance[np.ix_(loose, loose)] = _likelihood(correlations[number], off, rows[:, loose]).covariance
+    fit = _likelihood(correlations[number], off, rows[:, loose])
+    covariance[np.ix_(loose, loose)] = fit.covariance
     # What the rings took up of the displacement counts as well, as much as their numbers are uncertain.
     centred = rows - rows.mean(0)
     taken = np.einsum("nk,kl,nl->n", centred, covariance, centred).mean()
-    return Turbulence(found, covariance, float(np.sqrt(off.var() + taken)), float(1 / wavelengths[number]))
+    rms, frequency = float(np.sqrt(off.var() + taken)), float(1 / wavelengths[number])
+    return Turbulence(found, covariance, rms, frequency, fit.likelihood)
 
 
-def _average_about(rings: Floats, clear: Mask, free: Floats, pixels: Floats) -> _Cells:
+def _average_about(rings: Floats, clear: Mask, free: Floats) -> _Cells:
     """Means over cells of the rings seen (H, W), as if a vector's own rings were straight within a cell."""
-    rigid = (_distance(free, pixels) / np.exp(free[4])).reshape(rings.shape)
-    cells = _average(rings - rigid, clear)
-    return cells._replace(rings=cells.rings + _distance(free, cells.place) / np.exp(free[4]))
+    cells = _average(rings - model_count(free, rings.shape), clear)
+    return cells._replace(rings=cells.rings + _count(free, cells.place))
 
 
 def bound_errors(free: Floats, shape: tuple[int, int], *, rms: float, frequency: float) -> Floats:
     """The covariance (5, 5) that no unbiased estimate of a vector (5,) passes in a picture (H, W) whose rings are
     displaced by turbulence (Cramér & Rao)."""
     cells = _average(np.zeros(shape), np.ones(shape, bool))
-    cells = cells._replace(rings=_distance(free, cells.place) / np.exp(free[4]))
+    cells = cells._replace(rings=_count(free, cells.place))
     _, rows = _linearise(free, cells, float(np.exp(free[4])))
     noise = (_NOISE / rms) ** 2 + 1e-4
     factor = linalg.cholesky(correlate_turbulence(cells.place, frequency) + noise * np.eye(len(rows)), lower=True)
@@ -173,21 +173,23 @@ def _average(rings: Floats, clear: Mask) -> _Cells:
 
 def _linearise(free: Floats, cells: _Cells, unit: float) -> tuple[Floats, Floats]:
     """How far the rings seen lie outside a vector's (N,), pixels, and how that changes with its numbers (N, 5)."""
-    with jax.enable_x64():
-        plank = Plank(*(jnp.asarray(each) for each in cells.place.T))
-        off, rows = _off(jnp.asarray(free), plank, jnp.asarray(cells.rings), unit)
-        return np.asarray(off), np.asarray(rows)
+    count, rows = _count_and_slopes(free, cells.place)
+    return unit * (cells.rings - count), -unit * rows
 
 
-def _distance(free: Floats, place: Floats) -> Floats:
+def _count(free: Floats, place: Floats) -> Floats:
+    return _count_and_slopes(free, place)[0]
+
+
+def _count_and_slopes(free: Floats, place: Floats) -> tuple[Floats, Floats]:
+    """The rings (N,) of a vector at places (N, 2), and how they change with its numbers (N, 5)."""
+    # How many cells are clear depends on the picture; few lengths share few compilations.
+    u, v = np.pad(place, ((0, -len(place) % _CELLS), (0, 0))).T
     with jax.enable_x64():
-        plank = Plank(*(jnp.asarray(each) for each in place.T))
-        return np.asarray(ring_distance(jnp.asarray(free), plank)[0])
+        count, rows = _differentiate(jnp.asarray(free[:GEOMETRY]), Plank(jnp.asarray(u), jnp.asarray(v)))
+        return np.asarray(count)[: len(place)], np.asarray(rows)[: len(place)]
 
 
 @jax.jit
-def _off(free: Array, plank: Plank, count: Array, unit: float) -> tuple[Array, Array]:
-    def off(free: Array) -> Array:
-        return unit * (count - ring_distance(free, plank)[0] * jnp.exp(-free[4]))
-
-    return off(free), jax.jacfwd(off)(free)
+def _differentiate(free: Array, plank: Plank) -> tuple[Array, Array]:
+    return ring_count(free, plank), jax.jacfwd(ring_count)(free, plank)

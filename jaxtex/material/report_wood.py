@@ -23,7 +23,7 @@ from jaxtex.material.report_page import (
     write_page,
 )
 from jaxtex.material.wood import render_wood
-from jaxtex.models.wood_files import WoodFile, wood_parameters, wood_schema
+from jaxtex.models.wood_files import WoodFile, list_parameters, wood_parameters
 
 END_GRAIN = 85.0
 """Degrees of tilt from which a plank is cut across the trunk, and its grain has no direction."""
@@ -32,6 +32,7 @@ _NOTES = {
     "center": "px",
     "ring_spacing": "px",
     "turbulence_rms": "px",
+    "fibres.width": "px",
     "early_rgb": "shown in sRGB",
     "late_rgb": "shown in sRGB",
 }
@@ -149,9 +150,8 @@ def _untold(file: WoodFile) -> str:
 
 
 def _parameter_rows(file: WoodFile) -> Iterator[str]:
-    described = wood_schema()["$defs"]["parameters"]["properties"]
     errors, held = file.report["standard_errors"], file.report.get("held") or ()
-    for name, value in wood_parameters(file.wood).items():
+    for name, (value, title) in list_parameters(file.wood).items():
         told = "held by hand" if name in held else _told(file.determined.get(name))
         shown = _colour_chip(value) if name.endswith("_rgb") else _show_numbers(value, errors.get(name))
         note = f" ({_NOTES[name]})" if name in _NOTES else ""
@@ -160,7 +160,7 @@ def _parameter_rows(file: WoodFile) -> Iterator[str]:
             f'<td class="value">{shown}</td>',
             f"<td>{_show_errors(errors.get(name))}</td>",
             f'<td style="text-align: left">{told}</td>',
-            f'<td class="meaning">{html.escape(described[name]["title"])}{note}</td>',
+            f'<td class="meaning">{html.escape(title)}{note}</td>',
         )
         yield f"<tr>{''.join(cells)}</tr>"
 

@@ -211,31 +211,25 @@ class _Plank(eqx.Module):
 
 
 def _render_grid(plank: _Plank, x: Array, y: Array) -> WoodMaps:
-    early = evaluate_points(_early, plank, x, y)
+    colour, roughness = evaluate_points(_surface, plank, x, y)
     height, slope = evaluate_points(_height_and_slope, plank, x, y)
-    maps = (
-        _mix(early[..., None], plank.wood.early_rgb[None, None], plank.wood.late_rgb[None, None]),
-        height,
-        normals_of(slope[..., 0], slope[..., 1]),
-        _mix(early, *_ROUGHNESS),
-    )
+    maps = colour, height, normals_of(slope[..., 0], slope[..., 1]), roughness
     return WoodMaps(*map(np.asarray, maps))
 
 
 @eqx.filter_jit
 def _look(plank: _Plank, points: Array) -> tuple[Array, ...]:
-    early = jax.vmap(lambda point: _early(plank, point))(points)
+    colour, roughness = jax.vmap(lambda point: _surface(plank, point))(points)
     height, slope = jax.vmap(lambda point: _height_and_slope(plank, point))(points)
-    colours = _mix(early[:, None], plank.wood.early_rgb[None], plank.wood.late_rgb[None])
-    return colours, height, normals_of(slope[:, 0], slope[:, 1]), _mix(early, *_ROUGHNESS)
+    return colour, height, normals_of(slope[:, 0], slope[:, 1]), roughness
 
 
-def _mix(early: Array, of_early: Array | float, of_late: Array | float) -> Array:
-    return of_late + early * (of_early - of_late)
-
-
-def _early(plank: _Plank, point: Array) -> Array:
-    return plank.wood.early_on_plank(point, blur=plank.blur)
+def _surface(plank: _Plank, point: Array) -> tuple[Array, Array]:
+    """Colour (3,) and roughness of a plank's point."""
+    early = plank.wood.early_on_plank(point, blur=plank.blur)
+    rough_early, rough_late = _ROUGHNESS
+    colour = plank.wood.colour_of(early, plank.wood.to_trunk(point), blur=plank.blur)
+    return colour, rough_late + early * (rough_early - rough_late)
 
 
 def _height_and_slope(plank: _Plank, point: Array) -> tuple[Array, Array]:

@@ -16,6 +16,7 @@ from jax.typing import ArrayLike
 from numpy.typing import NDArray
 
 from jaxtex.models.soft import soft_step
+from jaxtex.models.wood_detail import Displacement, Fibres
 
 _WAVES = 48
 _ALONG = 0.3  # of the turbulence's frequency: that along the trunk
@@ -23,12 +24,14 @@ _RIGHT_ANGLE = math.pi / 2 + 1e-6  # in single precision a right angle is a litt
 _PITH = 1e-3  # of the ring spacing: how far the pith is rounded, so that it has a gradient
 _PERIODS = 3  # neighbouring rings that a spot may still see
 _WIDEST = 0.5  # rings: beyond this width a spot sees but the fundamental of the rings, to nine digits
+_ELSEWHERE = 300.0  # pixels by which fibres are moved for each radian of the turbulence's phases
 _SHAPES = {"center": (2,), "early_rgb": (3,), "late_rgb": (3,)}  # the others are one number each
 _LIMITS = {
     "ring_spacing": (1e-6, np.inf),
     "early_fraction": (0.0, 1.0),
     "turbulence_rms": (0.0, np.inf),
     "turbulence_frequency": (0.0, np.inf),
+    "gradation": (0.0, 0.25),
 }
 
 
@@ -50,6 +53,11 @@ class Wood(eqx.Module):
         turbulence_frequency: of that displacement across the trunk, cycles per pixel, >= 0; along it, it is less.
         waves: (K, 3), the directions of the plane waves that the turbulence is made of, in units of its frequency.
         phases: (K,), theirs, radians.
+        gradation: how gradually early wood darkens into late wood, which then ends sharply: standard deviation of that
+            edge in rings, 0 to 0.25. The paper's rings have 0.
+        fibres: fine grain, if any.
+        displacement: by how much the rings of a photographed plank are displaced, if that is known. There it stands in
+            place of turbulence.
 
     Examples:
         >>> plank = make_wood(center=(10.0, 0.0), ring_spacing=20.0)
@@ -68,6 +76,9 @@ class Wood(eqx.Module):
     turbulence_frequency: Array
     waves: Array
     phases: Array
+    gradation: Array | float = 0.0
+    fibres: Fibres | None = None
+    displacement: Displacement | None = None
 
     def to_trunk(self, point: Array) -> Array:
         """Plank point (u, v) to the trunk's (X, Y, Z)."""
@@ -75,7 +86,11 @@ class Wood(eqx.Module):
 
     def radius(self, trunk: Array) -> Array:
         """Distance of a trunk point (3,) from the axis, as turbulence has it; smooth at the pith."""
-        return self._distance(trunk)[0] + self.turbulence(trunk)
+        displaced = self.turbulence(trunk)
+        if self.displacement is not None:
+            seen, weight = self.displacement(*self._below_plank(trunk))
+            displaced = displaced + weight * (seen - displaced)
+        return self._distance(trunk)[0] + displaced
 
     def ring_count(self, trunk: Array) -> Array:
         """How many rings lie between the axis and a trunk point (3,)."""
@@ -89,19 +104,35 @@ class Wood(eqx.Module):
 
     def early_wood(self, trunk: Array, *, blur: ArrayLike) -> Array:
         """How much of a Gaussian spot of standard deviation `blur` pixels around a trunk point (3,) is early wood."""
-        return early_share(self.ring_count(trunk), self.early_fraction, blur / self.ring_spacing)
+        return self._early_share(trunk, blur / self.ring_spacing)
 
     def early_on_plank(self, point: Array, *, blur: ArrayLike) -> Array:
         """The same for a spot on the plank, around its point (u, v): along the grain it sees rings stretched."""
         trunk = self.to_trunk(point)
         _, outwards = self._distance(trunk)
         seen = jnp.sqrt(outwards[0] ** 2 + (outwards[1] * jnp.sin(self.tilt)) ** 2 + _PITH)
-        return early_share(self.ring_count(trunk), self.early_fraction, blur * seen / self.ring_spacing)
+        return self._early_share(trunk, blur * seen / self.ring_spacing)
 
     def colour(self, trunk: Array, *, blur: ArrayLike) -> Array:
         """Linear colour (3,) at a trunk point (3,)."""
-        early = self.early_wood(trunk, blur=blur)
-        return self.late_rgb + early * (self.early_rgb - self.late_rgb)
+        return self.colour_of(self.early_wood(trunk, blur=blur), trunk, blur=blur)
+
+    def colour_of(self, early: Array, trunk: Array, *, blur: ArrayLike) -> Array:
+        """Linear colour (3,) at a trunk point (3,) of which so much is `early` wood."""
+        rings = self.late_rgb + early * (self.early_rgb - self.late_rgb)
+        if self.fibres is None:
+            return rings
+        # Wood of another seed has its fibres elsewhere.
+        return rings * self.fibres.tone(trunk + _ELSEWHERE * self.phases[:3], blur=blur)
+
+    def _early_share(self, trunk: Array, width: ArrayLike) -> Array:
+        return early_share(self.ring_count(trunk), self.early_fraction, width, self.gradation)
+
+    def _below_plank(self, trunk: Array) -> tuple[Array, Array, Array]:
+        """The plank's u and v of a trunk point (3,), and how deep that lies below its face."""
+        c, s, upright, lean = jnp.cos(self.rotation), jnp.sin(self.rotation), jnp.cos(self.tilt), jnp.sin(self.tilt)
+        along = trunk[1] * lean + trunk[2] * upright
+        return c * trunk[0] - s * along, s * trunk[0] + c * along, trunk[1] * upright - trunk[2] * lean
 
     def _distance(self, trunk: Array) -> tuple[Array, Array]:
         """From the axis, and the unit vector (2,) away from it."""
@@ -138,7 +169,7 @@ def canonical_pose(tilt: float, rotation: float) -> tuple[float, float, NDArray[
     return tilt, rotation, -mirror if turns % 2 else mirror
 
 
-def early_share(count: ArrayLike, fraction: ArrayLike, width: ArrayLike) -> Array:
+def early_share(count: ArrayLike, fraction: ArrayLike, width: ArrayLike, gradation: ArrayLike = 0.0) -> Array:
     """Share of early wood that a Gaussian spot sees, `width` rings wide, at a ring count.
 
     Early wood is where sin(2 pi count) > cos(pi fraction), which is the fraction of each ring around a quarter turn.
@@ -146,6 +177,7 @@ def early_share(count: ArrayLike, fraction: ArrayLike, width: ArrayLike) -> Arra
     Args:
         count, fraction, width: of shapes that broadcast; `count` in rings, `fraction` 0 to 1, `width` the spot's
             standard deviation in rings, >= 0.
+        gradation: standard deviation, in rings, of the edge at which late wood comes on.
 
     Examples:
         >>> early_share(jnp.array([0.25, 0.75]), 0.4, 0.01).tolist()
@@ -153,13 +185,14 @@ def early_share(count: ArrayLike, fraction: ArrayLike, width: ArrayLike) -> Arra
     """
     width = jnp.maximum(width, 1e-6)
     narrow = jnp.minimum(width, _WIDEST)
+    gradual = jnp.sqrt(narrow**2 + jnp.asarray(gradation) ** 2)
     turn = jnp.asarray(count) - 0.25
     aside = turn - jnp.round(turn)
     mean = jnp.asarray(fraction)
     half = mean / 2
     share = jnp.zeros_like(aside)
     for n in range(-_PERIODS, _PERIODS + 1):
-        share = share + soft_step((aside - n + half) / narrow) - soft_step((aside - n - half) / narrow)
+        share = share + soft_step((aside - n + half) / narrow) - soft_step((aside - n - half) / gradual)
     # A wider spot sees the fundamental fade as its Gaussian has it, and the mean of early and late wood stay.
     fading = jnp.exp(-2 * jnp.pi**2 * (width**2 - narrow**2))
     return mean + (share - mean) * fading
@@ -176,13 +209,16 @@ def make_wood(
     late_rgb: npt.ArrayLike = (0.27, 0.13, 0.06),
     turbulence_rms: ArrayLike = 0.0,
     turbulence_frequency: ArrayLike = 0.005,
+    gradation: ArrayLike = 0.0,
+    fibres: Fibres | None = None,
+    displacement: Displacement | None = None,
     seed: int = 0,
 ) -> Wood:
     """A `Wood` from plain numbers; the turbulence's shape is that of the `seed`.
 
     Args:
-        ring_spacing, center, tilt, rotation, early_fraction, early_rgb, late_rgb, turbulence_rms, turbulence_frequency:
-            as `Wood` has them.
+        ring_spacing, center, tilt, rotation, early_fraction, early_rgb, late_rgb, turbulence_rms, turbulence_frequency,
+            gradation, fibres, displacement: as `Wood` has them.
         seed: whole number, >= 0.
 
     Raises:
@@ -202,10 +238,12 @@ def make_wood(
         "late_rgb": late_rgb,
         "turbulence_rms": turbulence_rms,
         "turbulence_frequency": turbulence_frequency,
+        "gradation": gradation,
     }
     numbers = {name: _checked(name, value) for name, value in given.items()}
     waves, phases = _draw_waves(seed)
-    return Wood(**{name: jnp.asarray(value, float) for name, value in numbers.items()}, waves=waves, phases=phases)
+    values = {name: jnp.asarray(value, float) for name, value in numbers.items()}
+    return Wood(**values, waves=waves, phases=phases, fibres=fibres, displacement=displacement)
 
 
 def _checked(name: str, value: npt.ArrayLike) -> NDArray[np.float64]:

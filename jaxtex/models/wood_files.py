@@ -9,10 +9,12 @@ from collections.abc import Mapping
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from jaxtex.models.envelope import SourceImage, plain, schema_of
 from jaxtex.models.wood import Wood, canonical_pose, make_wood
+from jaxtex.models.wood_detail import Displacement, Fibres
 
 _PLAIN = ("center", "ring_spacing", "early_fraction", "early_rgb", "late_rgb", "turbulence_rms", "turbulence_frequency")
 
@@ -42,7 +44,8 @@ class WoodFile:
 def canonical_wood(wood: Wood) -> Wood:
     """Write wood in the form that model files hold: the plank is unchanged everywhere, in turbulence too.
 
-    `tilt` is in [0, pi/2] and `rotation` in [0, pi). The trunk is mirrored to that end, and its turbulence with it.
+    `tilt` is in [0, pi/2] and `rotation` in [0, pi). The trunk is mirrored to that end, and its turbulence with it;
+    fibres are as fine as before, but lie elsewhere.
 
     Returns:
         Wood whose leaves are NumPy arrays in the precision they had.
@@ -79,7 +82,11 @@ def wood_parameters(wood: Wood) -> dict[str, Any]:
         "tilt_deg": min(round(math.degrees(written.tilt), 12), 90.0),
         "rotation_deg": min(round(math.degrees(written.rotation), 12), math.nextafter(180.0, 0.0)),
     }
-    return plain({"center": values.pop("center"), **angles, **values})
+    detail: dict[str, Any] = {"gradation": written.gradation} if written.gradation > 0 else {}
+    for name, part in (("fibres", written.fibres), ("displacement", written.displacement)):
+        if part is not None:
+            detail[name] = {field.name: getattr(part, field.name) for field in dataclasses.fields(part)}
+    return plain({"center": values.pop("center"), **angles, **values, **detail})
 
 
 def wood_from_parameters(parameters: Mapping[str, Any], *, seed: int) -> Wood:
@@ -92,10 +99,17 @@ def wood_from_parameters(parameters: Mapping[str, Any], *, seed: int) -> Wood:
         ValueError: they are no wood.
     """
     with jax.enable_x64():
+        fine, field = (
+            {key: jnp.asarray(value, float) for key, value in parameters.get(name, {}).items()}
+            for name in ("fibres", "displacement")
+        )
         wood = make_wood(
             **{name: parameters[name] for name in _PLAIN},
             tilt=math.radians(parameters["tilt_deg"]),
             rotation=math.radians(parameters["rotation_deg"]),
+            gradation=parameters.get("gradation", 0.0),
+            fibres=Fibres(**fine) if fine else None,
+            displacement=Displacement(**field) if field else None,
             seed=seed,
         )
         return jax.tree.map(np.asarray, wood)
@@ -104,6 +118,22 @@ def wood_from_parameters(parameters: Mapping[str, Any], *, seed: int) -> Wood:
 def wood_schema() -> dict[str, Any]:
     """The JSON Schema of model files of wood."""
     return schema_of("wood")
+
+
+def list_parameters(wood: Wood) -> dict[str, tuple[Any, str]]:
+    """What there is to read of wood: value and title of each named parameter, those of fibres as `fibres.contrast`.
+
+    Examples:
+        >>> list_parameters(make_wood(ring_spacing=20.0))["ring_spacing"]
+        (20.0, 'From ring to ring')
+    """
+    described = wood_schema()["$defs"]["parameters"]["properties"]
+    values = wood_parameters(wood)
+    values.pop("displacement", None)  # a field, not a number
+    fine = values.pop("fibres", {})
+    listed = {name: (value, described[name]["title"]) for name, value in values.items()}
+    titles = described["fibres"]["properties"]
+    return listed | {f"fibres.{name}": (value, titles[name]["title"]) for name, value in fine.items()}
 
 
 def wood_content(file: WoodFile) -> dict[str, Any]:

@@ -18,6 +18,8 @@ _VISIBLE = 0.5  # deep enough for a line to be seen, where all depths occur
 _NEAREST = 0.4  # of the spacing, between lines
 _SHALLOW = 0.02  # standard deviations: shallower lines are none, once averaged along the grain
 _LATE = 0.75  # of a ring: where late wood has its middle, as the model counts
+_TOGETHER = 0.6  # of the spacing: a Gaussian over which rings are moved together
+_MOVES = 6
 _ARC = 12.0  # pixels of a ring around the pith that are seen together
 _FINE = 6.0  # pixels: rings around a pith in the picture are fine
 _WEATHERED = 0.25  # deep enough on end grain, which is seldom planed
@@ -67,6 +69,22 @@ def count_lines(rings: Array, levels: Array, spacing: float) -> Array:
     reach = len(kept)
     place = np.concatenate([[kept[0] - spacing * reach], kept, [kept[-1] + spacing * reach]])
     return np.interp(levels - low, place, np.concatenate([[turn[0] - reach], turn, [turn[-1] + reach]]))
+
+
+def follow_lines(rings: Array, count: Array, spacing: float) -> Array:
+    """The count (H, W), moved place by place to where the rings, evened out (H, W), are seen.
+
+    Multiplied by the count's own wave, they show by which part of a ring it is off. It is followed as far as places
+    half a ``spacing`` away agree: what is finer than rings are wide is not a place where they lie.
+    """
+    reach = _TOGETHER * spacing
+    for _ in range(_MOVES):
+        turned = rings * np.exp(-2j * np.pi * (count - 0.25))
+        mean = ndimage.gaussian_filter(turned.real, reach) + 1j * ndimage.gaussian_filter(turned.imag, reach)
+        sure = np.minimum(np.abs(mean) / np.median(np.abs(mean)), 1.0)
+        # Half a ring off may be either way: there the count stays, or it would tear.
+        count = count + sure * np.sin(np.angle(mean)) / (2 * np.pi)
+    return count
 
 
 def _count_deep(depths: Array) -> int:

@@ -23,7 +23,7 @@ OBLIQUE = {
 }
 PARAMETERS = (
     *("center", "tilt", "rotation", "ring_spacing", "early_fraction"),
-    *("early_rgb", "late_rgb", "turbulence_rms", "turbulence_frequency"),
+    *("early_rgb", "late_rgb", "turbulence_rms", "turbulence_frequency", "gradation"),
 )
 
 
@@ -42,6 +42,18 @@ def test_early_share_is_the_mean_over_the_spot(fraction, width):
     expected = [average_of_the_spot(count, fraction, width) for count in counts]
     with jax.enable_x64():
         np.testing.assert_allclose(early_share(counts, fraction, width), expected, atol=1e-4)
+
+
+@pytest.mark.parametrize("gradation", [0.05, 0.25])
+def test_late_wood_comes_on_gradually_and_ends_sharply(gradation):
+    counts = np.linspace(0, 1, 2001)[:-1]
+    with jax.enable_x64():
+        share = np.asarray(early_share(counts, 0.4, 0.01, gradation))
+    assert share.mean() == pytest.approx(0.4, abs=1e-6)
+    slope = np.gradient(share, counts)
+    # Outwards: early wood begins at 0.05 with a jump, as sharp as the spot; late wood comes on at 0.45.
+    assert slope[np.abs(counts - 0.05) < 0.05].max() == pytest.approx(1 / (0.01 * np.sqrt(2 * np.pi)), rel=0.02)
+    assert slope.min() == pytest.approx(-1 / (np.hypot(0.01, gradation) * np.sqrt(2 * np.pi)), rel=0.15)
 
 
 def test_early_share_of_all_and_nothing():

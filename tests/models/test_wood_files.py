@@ -23,16 +23,18 @@ from jaxtex.models.files import SourceImage, TilingFile, load_model, need_tiling
 from jaxtex.models.grids import on_grid
 from jaxtex.models.tiling import make_tiling
 from jaxtex.models.wood import Wood, make_wood
+from jaxtex.models.wood_detail import Displacement, Fibres
 from jaxtex.models.wood_files import (
     WoodFile,
     canonical_wood,
+    list_parameters,
     wood_from_parameters,
     wood_parameters,
     wood_schema,
 )
 
 IMAGE = SourceImage(640, 480, "0123456789abcdef" * 4)
-NAMES = [field.name for field in dataclasses.fields(Wood)]
+NAMES = [field.name for field in dataclasses.fields(Wood) if field.name not in ("fibres", "displacement")]
 
 
 def make_plank(**changes) -> Wood:
@@ -142,6 +144,32 @@ def test_numbers_come_back_exactly(tmp_path):
         assert getattr(read.wood, name).dtype == np.float64
     assert (read.image, read.seed, read.determined) == (IMAGE, 3, written.determined)
     np.testing.assert_allclose(draw(read.wood), draw(written.wood), atol=1e-9)
+
+
+def make_detailed(**changes) -> Wood:
+    with jax.enable_x64():
+        fibres = Fibres(jnp.asarray(0.1), jnp.asarray(1.5), jnp.asarray(0.02))
+        field = Displacement(jnp.asarray([[0.25, 1.0], [-2.0, 0.5]]), jnp.asarray([640.0, 480.0]))
+        return make_plank(gradation=0.11, fibres=fibres, displacement=field, **changes)
+
+
+def test_detail_comes_back_exactly(tmp_path):
+    written = make_detailed()
+    save_model(tmp_path / "oak.json", make_file(written))
+    read = load_model(tmp_path / "oak.json")
+    assert isinstance(read, WoodFile)
+    assert jax.tree.structure(read.wood) == jax.tree.structure(written)
+    for one, other in zip(jax.tree.leaves(read.wood), jax.tree.leaves(written), strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-14)
+    assert [name for name in list_parameters(written) if name not in list_parameters(make_plank())] == [
+        *("gradation", "fibres.contrast", "fibres.width", "fibres.pores"),
+    ]
+
+
+@pytest.mark.parametrize("changes", [{"tilt": -0.4}, {"rotation": 4.0}, {"tilt": 2.0}])
+def test_a_mirrored_trunk_has_the_same_displacement(changes):
+    wood = make_detailed(**changes)
+    np.testing.assert_allclose(draw(canonical_wood(wood)), draw(wood), atol=1e-7)
 
 
 @settings(max_examples=25)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from jaxtex.photo.directions import directions_of
-from jaxtex.photo.ring_lines import Ray, count_lines, even_out_rings, measure_spacing
+from jaxtex.photo.ring_lines import Ray, count_lines, even_out_rings, follow_lines, measure_spacing
 
 Array = NDArray[np.float64]
 
@@ -157,3 +157,15 @@ def test_rings_evened_out_are_as_strong_everywhere() -> None:
     strength = np.array([part.std() for part in np.split(even[:, 24:-24], 8, axis=1)])
     np.testing.assert_allclose(strength, 1.0, atol=0.1)
     assert np.abs(even[:, 24:-24].mean()) < 0.05
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_rings_that_stray_are_followed_and_their_number_stays(turn):
+    across, along = lay(turn)
+    strayed = 3.0 * np.sin(2 * np.pi * along / 150)
+    count = across / 14.0
+    rings = np.sin(2 * np.pi * (across + strayed) / 14.0)
+    followed = follow_lines(rings, count, 14.0)
+    inside = np.s_[20:-20, 20:-20]
+    np.testing.assert_allclose((followed - count)[inside], (strayed / 14.0)[inside], atol=0.03)
+    np.testing.assert_allclose(follow_lines(np.sin(2 * np.pi * count), count, 14.0), count, atol=0.02)

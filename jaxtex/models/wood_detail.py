@@ -1,0 +1,118 @@
+"""What wood shows beyond its rings: fibres and pores, and by how much one plank's rings were seen displaced."""
+
+import math
+
+import equinox as eqx
+import jax.numpy as jnp
+from jax import Array
+from jax.typing import ArrayLike
+
+_LONG = 24.0  # times as long as broad: fibres, and pores
+_COARSE = 2.5  # times as broad: the bundles that fibres lie in
+_MIXED = 0.8, 0.6  # how strong fibres are, and bundles; squared, they add up to 1
+_CELL = 2.5  # fibres' breadths: from pore to pore at most
+_PORE = 0.36  # of that: a pore's radius
+_DARK = 0.55  # by how much of the light a pore is darker
+_SPREAD = math.sqrt((1 - 2 * 9 / 70) ** 3 / 3)  # root mean square of smoothed noise between -1 and 1
+_FADE = 0.12  # of its side: how fast a plank's displacement fades beyond its picture, and below its face
+
+
+class Fibres(eqx.Module):
+    """The fine grain of wood: streaks along the trunk, and pores, short dark lines among them.
+
+    Attributes:
+        contrast: root mean square of the streaks' lightness, relative to the wood's, >= 0.
+        width: how broad they are, in pixels, > 0.
+        pores: share of the volume that is pores, 0 to 0.2.
+
+    Examples:
+        >>> fibres = Fibres(jnp.array(0.1), jnp.array(2.0), jnp.array(0.0))
+        >>> fibres.tone(jnp.zeros(3), blur=100.0).item()
+        1.0
+    """
+
+    contrast: Array
+    width: Array
+    pores: Array
+
+    def tone(self, trunk: Array, *, blur: ArrayLike) -> Array:
+        """What the wood's colour at a trunk point (3,) is multiplied by, seen through a spot of `blur` pixels."""
+        fine, coarse = (self._streaks(trunk, scale, blur, salt) for salt, scale in enumerate((1.0, _COARSE)))
+        streaks = jnp.maximum(1.0 + self.contrast * (_MIXED[0] * fine + _MIXED[1] * coarse), 0.1)
+        return streaks * (1.0 - _DARK * self._pore(trunk, blur))
+
+    def _streaks(self, trunk: Array, scale: float, blur: ArrayLike, salt: int) -> Array:
+        """Noise of unit strength; a spot as broad as its streaks sees it fade."""
+        stretch = jnp.array([1.0, 1.0, 1 / _LONG], trunk.dtype) / (self.width * scale)
+        return _noise(trunk * stretch, salt) / _SPREAD * _seen(blur, self.width * scale)
+
+    def _pore(self, trunk: Array, blur: ArrayLike) -> Array:
+        """How much of a pore there is, 0 to 1."""
+        size = self.width * _CELL
+        cell = jnp.floor(trunk[:2] / size)
+        # Each column of cells begins elsewhere along the trunk, or pores would stand in rows.
+        along = trunk[2] / (size * _LONG / _CELL) + _random(cell, jnp.zeros(()), 2)
+        layer = jnp.floor(along)
+        there = _random(cell, layer, 3) < self.pores / (math.pi * _PORE**2 * 0.7)
+        place = 0.5 + (0.5 - _PORE) * (2 * jnp.stack([_random(cell, layer, 4), _random(cell, layer, 5)]) - 1)
+        aside = jnp.sum((trunk[:2] / size - cell - place) ** 2) / _PORE**2
+        ends = (2 * (along - layer) - 1) ** 4
+        return there * jnp.clip(2.0 * (1.0 - aside - ends), 0.0, 1.0) * _seen(blur, self.width)
+
+
+class Displacement(eqx.Module):
+    """By how much the rings of a plank were seen displaced: a cosine series over its picture.
+
+    Its value at the plank's point (u, v) is the sum over i and j of `cosines[i, j] cos(pi i y) cos(pi j x)`, where
+    x = u / width + 1/2 and y = v / height + 1/2. Away from the picture it fades.
+
+    Attributes:
+        cosines: (I, J), pixels outwards.
+        extent: (2,), width and height of the picture.
+
+    Examples:
+        >>> there = Displacement(jnp.array([[3.0, 1.0]]), jnp.array([200.0, 100.0]))
+        >>> [each.item() for each in there(jnp.array(-100.0), jnp.array(0.0), jnp.array(0.0))]
+        [4.0, 1.0]
+    """
+
+    cosines: Array
+    extent: Array
+
+    def __call__(self, u: Array, v: Array, depth: Array) -> tuple[Array, Array]:
+        """The displacement at a plank's point and below its face; and how much it counts there, 1 on the picture."""
+        place = jnp.stack([u, v]) / self.extent + 0.5
+        terms = zip(self.cosines.shape[::-1], place, strict=True)
+        x, y = (jnp.cos(jnp.pi * jnp.arange(count, dtype=p.dtype) * p) for count, p in terms)
+        beyond = jnp.maximum(jnp.abs(place - 0.5) - 0.5, 0.0)
+        beneath = depth / jnp.max(self.extent)
+        return y @ self.cosines @ x, jnp.exp(-0.5 * (jnp.sum(beyond**2) + beneath**2) / _FADE**2)
+
+
+def _seen(blur: ArrayLike, width: Array) -> Array:
+    """How much of streaks of a breadth a Gaussian spot sees: of a wave that is four times as long."""
+    return jnp.exp(-0.5 * (0.5 * jnp.pi * blur / width) ** 2)
+
+
+def _noise(at: Array, salt: int) -> Array:
+    """Random values between -1 and 1 on whole numbers (3,), smooth between them."""
+    corner = jnp.floor(at)
+    part = at - corner
+    part = part * part * (3 - 2 * part)
+    total = jnp.zeros_like(part[0])
+    for n in range(8):
+        offset = jnp.array([n & 1, n >> 1 & 1, n >> 2 & 1])
+        weight = jnp.prod(jnp.where(offset == 1, part, 1 - part))
+        total = total + weight * (2 * _random((corner + offset)[:2], (corner + offset)[2], salt) - 1)
+    return total
+
+
+def _random(cell: Array, layer: Array, salt: int) -> Array:
+    """A number between 0 and 1 that looks random, of a cell (2,) and layer of whole numbers."""
+    x, y, z = (each.astype(jnp.int32).astype(jnp.uint32) for each in (cell[0], cell[1], layer))
+    # Multiplied by large odd numbers and mixed by shifts, so that neighbours have nothing in common.
+    mixed = x * jnp.uint32(0x9E3779B1) ^ y * jnp.uint32(0x85EBCA77) ^ z * jnp.uint32(0xC2B2AE3D)
+    mixed = mixed ^ jnp.uint32((salt * 0x27D4EB2F) & 0xFFFFFFFF)
+    for shift, factor in ((16, 0x7FEB352D), (15, 0x846CA68B)):
+        mixed = (mixed ^ mixed >> shift) * jnp.uint32(factor)
+    return (mixed ^ mixed >> 16).astype(jnp.float32) * 2.0**-32
