@@ -66,6 +66,8 @@ if TYPE_CHECKING:
     from jaxtex.models.tiling import make_tiling as make_tiling
     from jaxtex.models.wood import Wood as Wood
     from jaxtex.models.wood import make_wood as make_wood
+    from jaxtex.models.wood_detail import Displacement as Displacement
+    from jaxtex.models.wood_detail import Fibres as Fibres
     from jaxtex.models.wood_files import WoodFile as WoodFile
     from jaxtex.models.wood_files import canonical_wood as canonical_wood
     from jaxtex.models.wood_files import wood_from_parameters as wood_from_parameters
@@ -129,6 +131,8 @@ _PUBLIC = {
     "make_tiling": "jaxtex.models.tiling",
     "Wood": "jaxtex.models.wood",
     "make_wood": "jaxtex.models.wood",
+    "Fibres": "jaxtex.models.wood_detail",
+    "Displacement": "jaxtex.models.wood_detail",
     "coverage_grid": "jaxtex.models.grids",
     "TilingFile": "jaxtex.models.files",
     "WoodFile": "jaxtex.models.wood_files",

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +31,7 @@ _SMALLEST = 32  # pixels: smaller planks tell too little of their wood
 _LONGEST = 4  # times as long as broad: so much of a plank is read, about its middle
 _MOST = 48  # planks whose wood is fitted one by one
 _MAZE = 0.5  # pixels of displacement from one pixel to the next, typically
+_STEEP = np.pi / 4  # tilt of no plank
 _WOODEN = 0.5  # share of the planks that must be wood
 _FIBRES = 0.7  # pixels: at this scale they are seen
 _FIBROUS = 0.3  # how clearly fibres run one way on a plank
@@ -145,13 +147,12 @@ def _fit_planks(
         large = number in order and min(piece.shape[:2]) >= _SMALLEST
         fits.append(_fit_piece(piece) if large else None)
     tell(len(pieces), len(pieces))
-    good = [fit for fit in fits if fit is not None and _is_plain(fit)]
-    shared = _share([fit.wood for fit in good])
+    read = [_calmed(fit.wood) if fit is not None and _is_plank(fit) else None for fit in fits]
+    shared = _share([wood for wood in read if wood is not None])
     planks = []
-    for each, (piece, off), fit in zip(corners, cuts, fits, strict=True):
-        own = fit is not None and _is_plain(fit)
-        wood = fit.wood if fit is not None and own else _in_colours_of(shared, piece)
-        planks.append(FloorPlank(each, _placed(wood, turn, off), own))
+    for each, (piece, off), own in zip(corners, cuts, read, strict=True):
+        wood = _in_colours_of(shared, piece) if own is None else own
+        planks.append(FloorPlank(each, _placed(wood, turn, off), own is not None))
     return tuple(planks), _share_of_wood(pieces)
 
 
@@ -162,10 +163,15 @@ def _share_of_wood(pieces: list[Floats]) -> float:
     return float(np.mean(fibrous)) if fibrous else 0.0
 
 
-def _is_plain(fit: WoodFit) -> bool:
-    """Whether the wood of a piece can be drawn over its whole plank: what bends more than it runs would be a maze."""
-    bends = 2 * np.pi * float(fit.wood.turbulence_frequency) * float(fit.wood.turbulence_rms)
-    return fit.ok and bends < _MAZE
+def _is_plank(fit: WoodFit) -> bool:
+    """Whether a piece shows wood cut along the trunk; floors of end grain are no planks."""
+    return fit.ok and float(fit.wood.tilt) < _STEEP
+
+
+def _calmed(wood: Wood) -> Wood:
+    """Wood whose turbulence, beyond the piece that was seen, does not bend rings more than they run."""
+    bends = 2 * np.pi * float(wood.turbulence_frequency) * float(wood.turbulence_rms)
+    return dataclasses.replace(wood, turbulence_rms=wood.turbulence_rms * min(1.0, _MAZE / max(bends, 1e-9)))
 
 
 def _across(piece: Floats) -> float:
@@ -213,7 +219,10 @@ def _share(woods: list[Wood]) -> Wood:
         for name in ("ring_spacing", "early_fraction", "early_rgb", "late_rgb", "turbulence_rms")
     }
     numbers["turbulence_frequency"] = float(np.median([float(wood.turbulence_frequency) for wood in woods]))
-    return make_wood(**numbers, center=(-10 * float(numbers["ring_spacing"]), 0.0))
+    numbers["gradation"] = float(np.median([float(wood.gradation) for wood in woods]))
+    fibres = [wood.fibres for wood in woods if wood.fibres is not None]
+    shared = jax.tree.map(lambda *each: jnp.asarray(np.median(each)), *fibres) if fibres else None
+    return make_wood(**numbers, center=(-10 * float(numbers["ring_spacing"]), 0.0), fibres=shared)
 
 
 def _in_colours_of(wood: Wood, piece: Floats) -> Wood:
@@ -227,12 +236,18 @@ def _placed(wood: Wood, turn: float, off: Floats) -> Wood:
     """Wood of an upright piece in the picture where it lies turned, about the middle of its plank instead of a point
     that is ``off`` from there (2,)."""
     across, along, _ = trunk_coordinates(*jnp.asarray(off), tilt=wood.tilt, rotation=wood.rotation)
-    moved = wood.center + jnp.stack([across, along])
-    return canonical_wood(dataclasses.replace(wood, center=moved, rotation=wood.rotation + turn))
+    center = wood.center + jnp.stack([across, along])
+    field = wood.displacement
+    if field is not None:
+        c, s = np.cos(turn), np.sin(turn)
+        middle = jnp.asarray([c * off[0] - s * off[1], s * off[0] + c * off[1]])
+        field = dataclasses.replace(field, middle=middle, turn=jnp.asarray(turn))
+    moved = dataclasses.replace(wood, center=center, rotation=wood.rotation + turn, displacement=field)
+    return canonical_wood(moved)
 
 
 def _cut_elsewhere(wood: Wood, across: float, random: np.random.Generator) -> Wood:
     """Another photograph's wood on a plank whose grain runs a given way, cut somewhere near where that was."""
     spacing = float(wood.ring_spacing)
     moved = wood.center + random.uniform(-1, 1, 2) * np.array([10 * spacing, spacing])
-    return canonical_wood(dataclasses.replace(wood, center=moved, rotation=jnp.asarray(across)))
+    return canonical_wood(dataclasses.replace(wood, center=moved, rotation=jnp.asarray(across), displacement=None))

@@ -61,10 +61,10 @@ class WoodFit:
     wood. ``rings`` [H, W]: those seen, counted as the model counts them, turbulence and uneven widths included.
     ``displacement`` [H, W]: by how many pixels these lie further out than the model's without turbulence. ``clear``
     [H, W]: where the rings can be trusted: no knots, no cracks. ``iou``: intersection over union of observed and
-    modelled mask, mean of both kinds of wood, without and with that displacement. ``standard_errors``: one standard
-    deviation, by parameter; None where the picture does not tell. ``determined``: whether it does. ``covariance``
-    (6, 6): of xc, yc (pixels), tilt, rotation (radians), and the logarithms of the spacing and of the odds of early
-    wood. ``seconds`` spent, by step.
+    modelled mask, mean of both kinds of wood, without displacement and with the smooth one that the model has.
+    ``standard_errors``: one standard deviation, by parameter; None where the picture does not tell. ``determined``:
+    whether it does. ``covariance`` (6, 6): of xc, yc (pixels), tilt, rotation (radians), and the logarithms of the
+    spacing and of the odds of early wood. ``seconds`` spent, by step.
     """
 
     ok: bool

@@ -38,7 +38,7 @@ _SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-5, atol=1e-5)
 
 class CountedRings(NamedTuple):
     """``free`` (5,) as :mod:`jaxtex.fitting.rings` has it; its ``covariance`` (5, 5), infinite for what straight grain
-    does not tell; ``rings`` (H, W), those seen, counted as the model counts them."""
+    does not tell; ``rings`` (H, W), those seen, followed place by place and counted as the model counts them."""
 
     free: Floats
     covariance: Floats
@@ -134,16 +134,16 @@ def _across(grain: Grain) -> float:
     return grain.across if rises else grain.across + np.pi
 
 
-def _count_from(grain: Grain, sense: float) -> Floats:
+def _count_from(rings: Floats, sense: float) -> Floats:
     """The rings counted outwards; counted the other way, late wood still lies before the whole number."""
-    return grain.rings if sense > 0 else 0.5 - grain.rings
+    return rings if sense > 0 else 0.5 - rings
 
 
 def _solve(grain: Grain, start: _Start, independent: float, begin: float | None = None) -> _End:
     """Where a start ends; the count begins at ``begin``, or wherever fits best."""
     height, width = grain.rings.shape
     near = np.s_[_STEP // 2 :: _STEP, _STEP // 2 :: _STEP]
-    seen = _count_from(grain, start.sense)[near].ravel()
+    seen = _count_from(grain.rings, start.sense)[near].ravel()
     size = 2 / max(height, width)
     loose = np.append(start.loose, begin is None)
     scale = np.array([1.0, 1.0, size, size, size, 1 / grain.spacing]) * loose
@@ -184,7 +184,7 @@ def _settle(grain: Grain, end: _End, independent: float, held: Held) -> CountedR
         covariance[0, 0] = covariance[1, 1] = (_PITH * min(grain.rings.shape)) ** 2
     if not bent:
         covariance[np.arange(3), np.arange(3)] = np.inf
-    return CountedRings(free, covariance, _count_from(grain, end.start.sense) - begin)
+    return CountedRings(free, covariance, _count_from(grain.followed, end.start.sense) - begin)
 
 
 @jax.jit

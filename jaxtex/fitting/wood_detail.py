@@ -100,7 +100,8 @@ def smooth_displacement(displacement: Floats, clear: Mask, wood: Wood, *, scale:
     kept[1:] *= 2
     kept[:, 1:] *= 2
     with jax.enable_x64():
-        return Displacement(jnp.asarray(kept), jnp.asarray([width * scale, height * scale]))
+        extent = jnp.asarray([width * scale, height * scale])
+        return Displacement(jnp.asarray(kept), extent, middle=jnp.zeros(2), turn=jnp.zeros(()))
 
 
 def sum_cosines(field: Displacement, shape: tuple[int, ...]) -> Floats:

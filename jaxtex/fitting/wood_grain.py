@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import signal
 from skimage.filters import threshold_otsu
 
 from jaxtex.fitting.rings import lay_plank
@@ -48,14 +49,16 @@ class Grain(NamedTuple):
     """What a photograph (H, W) shows of its rings.
 
     ``early`` (H, W): the mask of early wood; ``directions``: those of its rings; ``rings`` (H, W): which ring each
-    place belongs to, counted from anywhere and either way; ``clear`` (H, W): where nothing runs astray, such as knots.
-    ``spacing``, pixels. ``across``: the direction across the fibres, radians, or None in end grain. ``pith``: where in
-    the picture rings close around it, if they do. ``agreement`` and ``crossing``: as `compare_directions` has them.
+    place belongs to, counted from anywhere and either way; ``followed`` (H, W): likewise, place by place; ``clear``
+    (H, W): where nothing runs astray, such as knots. ``spacing``, pixels. ``across``: the direction across the fibres,
+    radians, or None in end grain. ``pith``: where in the picture rings close around it, if they do. ``agreement`` and
+    ``crossing``: as `compare_directions` has them.
     """
 
     early: Mask
     directions: Directions
     rings: Floats
+    followed: Floats
     clear: Mask
     spacing: float
     across: float | None
@@ -84,10 +87,12 @@ def read_grain(light: Floats, *, across: float | None = None, middle: tuple[floa
     agreement, crossing = _judge(light, first, fibrous=across is not None)
     smooth = smooth_along(light, known or directions, float(np.clip(1.5 * spacing, 8, 40)))
     even = np.tanh(even_out_rings(smooth, spacing))
+    rings = count_lines(even, levels, spacing)
     return Grain(
         early=even > threshold_otsu(even),
         directions=directions,
-        rings=follow_lines(even, count_lines(even, levels, spacing), spacing),
+        rings=rings,
+        followed=follow_lines(even, rings, spacing),
         clear=compare_directions(directions, levels)[2],
         spacing=spacing,
         across=across,
@@ -148,7 +153,7 @@ def _vote_for_pith(directions: Directions) -> tuple[tuple[float, float], float]:
     for reach in _PITH_REACH:
         window = np.exp(-0.5 * (rows[:, None] ** 2 + columns[None] ** 2) / (reach * min(directions.energy.shape)) ** 2)
         pointing, running, known = (
-            _correlate(part, kernel)
+            signal.correlate(part, kernel, mode="same", method="fft")
             for part, kernel in ((seen, away * window), (seen, window + 0j), (weight.astype(complex), window + 0j))
         )
         gain = (pointing.real - np.abs(running)) / np.maximum(known.real, 0.3 * known.real.max())
@@ -156,13 +161,6 @@ def _vote_for_pith(directions: Directions) -> tuple[tuple[float, float], float]:
             best = float(gain.max()), int(gain.argmax())
     u, v = lay_plank(*directions.energy.shape)
     return (float(u[near].flat[best[1]]), float(v[near].flat[best[1]])), best[0]
-
-
-def _correlate(picture: NDArray[np.complex128], kernel: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    shape = tuple(a + b - 1 for a, b in zip(picture.shape, kernel.shape, strict=True))
-    product = np.fft.fft2(picture, shape) * np.fft.fft2(np.conj(kernel[::-1, ::-1]), shape)
-    height, width = picture.shape
-    return np.fft.ifft2(product)[height - 1 : 2 * height - 1, width - 1 : 2 * width - 1]
 
 
 def _lay_rays(rings: Floats, pith: Pith | None) -> list[Ray]:

@@ -57,25 +57,22 @@ def list_starts(rings: Floats, held: Held) -> Iterator[list[Floats]]:
         starts = read_waves(waves, rings.shape, held)
         if starts:
             yield starts
-            yield scan_for_pith(rings, starts[0], held)
+            yield scan_for_pith(rings, *_main_wave(waves), held)
 
 
 def read_waves(waves: LocalWaves, shape: tuple[int, ...], held: Held) -> list[Floats]:
     """Starts whose local waves are those measured in a picture of ``shape`` (H, W)."""
     height, width = shape
-    length = np.hypot(*waves.wave.T)
-    sure = waves.weight >= 0.5 * waves.weight.max()
-    across = _main_direction(waves)
-    spacing = np.log(1 / np.quantile(length[sure], 0.8))
+    across, spacing = _main_wave(waves)
     begin = [
-        hold(np.array([axis * width, lean * middle * height, np.arcsin(lean), across + turn, spacing]), held)
+        hold(np.array([axis * width, lean * middle * height, np.arcsin(lean), across + turn, np.log(spacing)]), held)
         for turn in (0.0, np.pi / 2)
         for lean in _LEANS
         for axis in _AXES
         for middle in _MIDDLES
     ]
     scale = loosen([width, height * 0.5, 0.3, 0.3, 0.3], held)
-    unit = float(np.median(length[sure])) ** -2
+    unit = spacing**2
     # How many pieces tell depends on the picture; few lengths share few compilations.
     place, wave, weight = (np.pad(each, [(0, -len(each) % _PIECES), *[(0, 0)] * (each.ndim - 1)]) for each in waves)
     with jax.enable_x64():
@@ -91,17 +88,16 @@ def read_waves(waves: LocalWaves, shape: tuple[int, ...], held: Held) -> list[Fl
     return _differing(ends[n] if held else canonical_rings(ends[n])[0] for n in worth)
 
 
-def scan_for_pith(rings: Floats, start: Floats, held: Held) -> list[Floats]:
-    """Starts with the axis inside the picture (H, W), rotation and spacing being those of a ``start``."""
+def scan_for_pith(rings: Floats, across: float, spacing: float, held: Held) -> list[Floats]:
+    """Starts with the axis inside the picture (H, W), ``across`` the grain (radians) and ``spacing`` being known."""
     height, width = rings.shape
-    spacing = float(np.exp(start[4]))
     step = max(2, int(spacing / 6))
     smooth = ndimage.gaussian_filter(rings, step / 2)[step // 2 :: step, step // 2 :: step]
     u, v = lay_plank(height, width, step)
     rows, columns = (_BLOCKS * n // whole for n, whole in zip(np.indices(smooth.shape), smooth.shape, strict=True))
     reach = float(np.hypot(height, width)) / 2
     places = [
-        hold(np.array([axis, lean * middle, np.arcsin(lean), start[3], start[4]]), held)
+        hold(np.array([axis, lean * middle, np.arcsin(lean), across, np.log(spacing)]), held)
         for lean in _PITH_LEANS
         for middle in np.linspace(-reach, reach, 9)
         for axis in np.arange(-reach, reach, max(spacing / 3, reach / _MOST_AXES))
@@ -152,11 +148,15 @@ def _score_places(places: Array, plank: Plank, rings: Array, parts: Array) -> Ar
     return jax.lax.map(score, places, batch_size=16)
 
 
-def _main_direction(waves: LocalWaves) -> float:
-    """Across the grain, radians: the mean of the waves' directions, their sense left aside."""
+def _main_wave(waves: LocalWaves) -> tuple[float, float]:
+    """Across the grain, radians: the mean of the waves' directions, their sense left aside; and pixels from ring to
+    ring, where the plank cuts them most nearly at right angles."""
     x, y = waves.wave.T
-    weight = waves.weight / np.hypot(x, y)
-    return 0.5 * float(np.arctan2((weight * 2 * x * y).sum(), (weight * (x * x - y * y)).sum()))
+    length = np.hypot(x, y)
+    weight = waves.weight / length
+    sure = waves.weight >= 0.5 * waves.weight.max()
+    across = 0.5 * float(np.arctan2((weight * 2 * x * y).sum(), (weight * (x * x - y * y)).sum()))
+    return across, 1 / float(np.quantile(length[sure], 0.8))
 
 
 def _differing(candidates: Iterator[Floats]) -> list[Floats]:

@@ -12,7 +12,7 @@ _COARSE = 2.5  # times as broad: the bundles that fibres lie in
 _MIXED = 0.8, 0.6  # how strong fibres are, and bundles; squared, they add up to 1
 _CELL = 2.5  # fibres' breadths: from pore to pore at most
 _PORE = 0.36  # of that: a pore's radius
-_DARK = 0.55  # by how much of the light a pore is darker
+_DARK = 0.45  # by how much of the light a pore is darker
 _SPREAD = math.sqrt((1 - 2 * 9 / 70) ** 3 / 3)  # root mean square of smoothed noise between -1 and 1
 _FADE = 0.12  # of its side: how fast a plank's displacement fades beyond its picture, and below its face
 
@@ -63,25 +63,31 @@ class Fibres(eqx.Module):
 class Displacement(eqx.Module):
     """By how much the rings of a plank were seen displaced: a cosine series over its picture.
 
-    Its value at the plank's point (u, v) is the sum over i and j of `cosines[i, j] cos(pi i y) cos(pi j x)`, where
-    x = u / width + 1/2 and y = v / height + 1/2. Away from the picture it fades.
+    The picture's x runs along (cos turn, sin turn) of the plank's u and v. The displacement is the sum over i and j of
+    `cosines[i, j] cos(pi i y) cos(pi j x)`, where x and y go from 0 to 1 over the picture. Away from it, it fades.
 
     Attributes:
         cosines: (I, J), pixels outwards.
         extent: (2,), width and height of the picture.
+        middle: (2,), u and v of the picture's middle.
+        turn: of the picture on the plank, radians.
 
     Examples:
-        >>> there = Displacement(jnp.array([[3.0, 1.0]]), jnp.array([200.0, 100.0]))
+        >>> there = Displacement(jnp.array([[3.0, 1.0]]), jnp.array([200.0, 100.0]), jnp.zeros(2), jnp.array(0.0))
         >>> [each.item() for each in there(jnp.array(-100.0), jnp.array(0.0), jnp.array(0.0))]
         [4.0, 1.0]
     """
 
     cosines: Array
     extent: Array
+    middle: Array
+    turn: Array
 
     def __call__(self, u: Array, v: Array, depth: Array) -> tuple[Array, Array]:
         """The displacement at a plank's point and below its face; and how much it counts there, 1 on the picture."""
-        place = jnp.stack([u, v]) / self.extent + 0.5
+        c, s = jnp.cos(self.turn), jnp.sin(self.turn)
+        right, down = u - self.middle[0], v - self.middle[1]
+        place = jnp.stack([c * right + s * down, c * down - s * right]) / self.extent + 0.5
         terms = zip(self.cosines.shape[::-1], place, strict=True)
         x, y = (jnp.cos(jnp.pi * jnp.arange(count, dtype=p.dtype) * p) for count, p in terms)
         beyond = jnp.maximum(jnp.abs(place - 0.5) - 0.5, 0.0)

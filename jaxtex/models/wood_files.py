@@ -16,6 +16,7 @@ from jaxtex.models.envelope import SourceImage, plain, schema_of
 from jaxtex.models.wood import Wood, canonical_pose, make_wood
 from jaxtex.models.wood_detail import Displacement, Fibres
 
+_FIELD = ("cosines", "extent", "middle")
 _PLAIN = ("center", "ring_spacing", "early_fraction", "early_rgb", "late_rgb", "turbulence_rms", "turbulence_frequency")
 
 
@@ -83,9 +84,14 @@ def wood_parameters(wood: Wood) -> dict[str, Any]:
         "rotation_deg": min(round(math.degrees(written.rotation), 12), math.nextafter(180.0, 0.0)),
     }
     detail: dict[str, Any] = {"gradation": written.gradation} if written.gradation > 0 else {}
-    for name, part in (("fibres", written.fibres), ("displacement", written.displacement)):
-        if part is not None:
-            detail[name] = {field.name: getattr(part, field.name) for field in dataclasses.fields(part)}
+    if written.fibres is not None:
+        detail["fibres"] = {name: getattr(written.fibres, name) for name in ("contrast", "width", "pores")}
+    if written.displacement is not None:
+        field = written.displacement
+        detail["displacement"] = {
+            **{name: getattr(field, name) for name in _FIELD},
+            "turn_deg": round(math.degrees(field.turn), 12),
+        }
     return plain({"center": values.pop("center"), **angles, **values, **detail})
 
 
@@ -99,20 +105,24 @@ def wood_from_parameters(parameters: Mapping[str, Any], *, seed: int) -> Wood:
         ValueError: they are no wood.
     """
     with jax.enable_x64():
-        fine, field = (
-            {key: jnp.asarray(value, float) for key, value in parameters.get(name, {}).items()}
-            for name in ("fibres", "displacement")
-        )
+        fine = {name: jnp.asarray(value, float) for name, value in parameters.get("fibres", {}).items()}
         wood = make_wood(
             **{name: parameters[name] for name in _PLAIN},
             tilt=math.radians(parameters["tilt_deg"]),
             rotation=math.radians(parameters["rotation_deg"]),
             gradation=parameters.get("gradation", 0.0),
             fibres=Fibres(**fine) if fine else None,
-            displacement=Displacement(**field) if field else None,
+            displacement=_displacement_of(parameters.get("displacement")),
             seed=seed,
         )
         return jax.tree.map(np.asarray, wood)
+
+
+def _displacement_of(values: Mapping[str, Any] | None) -> Displacement | None:
+    if values is None:
+        return None
+    turn = jnp.asarray(math.radians(values["turn_deg"]))
+    return Displacement(**{name: jnp.asarray(values[name], float) for name in _FIELD}, turn=turn)
 
 
 def wood_schema() -> dict[str, Any]:

@@ -18,6 +18,7 @@ _NODES = 96  # along the picture's longer side, of the map that follows the grai
 _FOUR_CORNERS = 4
 _STIFF = 0.03  # how much the map resists bending, where the picture's own directions weigh 1
 _GLARE = 1.5  # times the typical gradient nearby: stronger edges weigh no more
+_FAR = 12.0  # pixels: over so many, every second one is enough
 _ASTRAY = np.radians(50)  # from the grain: what runs so is no grain, but a knot, a crack, a joint
 _ACROSS = np.radians(65)
 
@@ -66,10 +67,11 @@ def smooth_along(light: Array, directions: Directions, reach: float, *, at: Arra
     start = np.indices(light.shape).astype(float) if at is None else at
     total = ndimage.map_coordinates(light, start, order=1, mode="nearest")
     weights = np.ones_like(total)
+    pace = 2 if reach >= _FAR else 1
     for sense in (1.0, -1.0):
         place, heading = start.copy(), sense * _nearest(along, start)
-        for step in range(1, int(2 * reach) + 1):
-            place += heading
+        for step in range(pace, int(2 * reach) + 1, pace):
+            place += pace * heading
             ahead = _nearest(along, place)
             heading = np.where((ahead * heading).sum(0) < 0, -ahead, ahead)
             inside = ((place >= 0) & (place <= _last(light, place))).all(0)
@@ -128,7 +130,7 @@ def compare_directions(directions: Directions, rings: Array) -> tuple[float, flo
 
 def weigh_directions(directions: Directions) -> Array:
     """How much each place (H, W) tells: by how clear its direction is, and how strong for its neighbourhood."""
-    near = ndimage.gaussian_filter(directions.energy, max(directions.energy.shape) / 10)
+    near = ndimage.gaussian_filter(directions.energy, max(directions.energy.shape) / 10, truncate=2.0)
     strength = np.minimum(np.sqrt(directions.energy / near), _GLARE)
     return np.abs(directions.across) / directions.energy * strength
 

@@ -33,7 +33,7 @@ def test_fibres_have_their_contrast(contrast, width):
 @pytest.mark.parametrize("pores", [0.02, 0.1, 0.2])
 def test_pores_take_their_share(pores):
     seen = tones(make_fibres(0.0, 2.0, pores), anywhere())
-    assert (seen < 0.75).mean() == pytest.approx(pores, rel=0.3)
+    assert (seen < 0.8).mean() == pytest.approx(pores, rel=0.3)
 
 
 def test_fibres_run_along_the_trunk():
@@ -57,7 +57,9 @@ def test_a_wide_spot_sees_no_fibres():
 @pytest.mark.parametrize("dtype", [jnp.float32, jnp.float64])
 def test_detail_has_finite_gradients_in_either_precision(dtype):
     with jax.enable_x64():
-        field = Displacement(jnp.array([[1.0, -2.0], [0.5, 0.25]]), jnp.array([90.0, 60.0]))
+        field = Displacement(
+            jnp.array([[1.0, -2.0], [0.5, 0.25]]), jnp.array([90.0, 60.0]), jnp.zeros(2), jnp.zeros(())
+        )
         wood = make_wood(ring_spacing=20.0, gradation=0.1, fibres=make_fibres(0.1, 2.0, 0.1), displacement=field)
         wood = jax.tree.map(lambda leaf: jnp.asarray(leaf, dtype), wood)
 
@@ -72,7 +74,7 @@ def test_detail_has_finite_gradients_in_either_precision(dtype):
 
 def test_a_displacement_is_its_series_and_fades_beyond_its_picture():
     cosines = np.random.default_rng(1).normal(size=(4, 3))
-    field = Displacement(jnp.asarray(cosines), jnp.array([90.0, 60.0]))
+    field = Displacement(jnp.asarray(cosines), jnp.array([90.0, 60.0]), jnp.zeros(2), jnp.zeros(()))
     for u, v in ((-45.0, -30.0), (10.0, 3.0), (44.0, 29.0)):
         value, weight = field(jnp.array(u), jnp.array(v), jnp.array(0.0))
         x, y = u / 90 + 0.5, v / 60 + 0.5
@@ -85,10 +87,21 @@ def test_a_displacement_is_its_series_and_fades_beyond_its_picture():
     assert field(jnp.array(0.0), jnp.array(0.0), jnp.array(60.0))[1] < 1e-3
 
 
+def test_a_displacement_moves_and_turns_with_its_picture():
+    cosines, extent, turn = jnp.asarray(np.random.default_rng(2).normal(size=(3, 4))), jnp.array([90.0, 60.0]), 0.7
+    middle = jnp.array([12.0, -5.0])
+    upright = Displacement(cosines, extent, jnp.zeros(2), jnp.zeros(()))
+    placed = Displacement(cosines, extent, middle, jnp.array(turn))
+    for x, y in ((0.0, 0.0), (30.0, -20.0), (70.0, 10.0)):
+        u, v = x * np.cos(turn) - y * np.sin(turn) + middle[0], x * np.sin(turn) + y * np.cos(turn) + middle[1]
+        expected = upright(jnp.array(x), jnp.array(y), jnp.array(0.0))
+        np.testing.assert_allclose(placed(u, v, jnp.array(0.0)), expected, atol=1e-4)
+
+
 @pytest.mark.parametrize(("tilt", "rotation"), [(0.0, 0.0), (0.4, 0.9), (np.pi / 2, 2.0)])
 def test_rings_of_a_plank_are_displaced_where_it_was_seen(tilt, rotation):
     with jax.enable_x64():
-        field = Displacement(jnp.array([[3.0]]), jnp.array([100.0, 100.0]))
+        field = Displacement(jnp.array([[3.0]]), jnp.array([100.0, 100.0]), jnp.zeros(2), jnp.zeros(()))
         given = {"ring_spacing": 20.0, "center": (4.0, 9.0), "tilt": tilt, "rotation": rotation}
         turbulent = {"turbulence_rms": 2.0, "turbulence_frequency": 0.02}
         plain, displaced = make_wood(**given), make_wood(**given, **turbulent, displacement=field)
