@@ -33,7 +33,7 @@ _HOPELESS = 0.62  # overlap that none of the first starts has where there are no
 _STEEPEST = 0.4  # pixels of displacement from one pixel to the next: displaced more steeply, any rings would do
 _NO_TILT = 1e-6  # radians: none that could be seen, but a number
 _SHARE_ERROR = 0.01  # of early wood, in one ring: what pixels leave open
-_CLEAR = 0.7  # overlap, at least, of rings that have been found
+_CLEAR = 0.7  # merit, at least, of rings that have been found
 
 
 class _Found(NamedTuple):
@@ -74,7 +74,7 @@ def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) ->
     found = _find_rings(early, held)
     if found is not None and middle is not None:
         found, held = _move_to(early, found, held, middle)
-    if found is None or found.overlap < _CLEAR:
+    if found is None or found.merit() < _CLEAR:
         return None
     if found.rings.free[2] < 0 and 1 in held:
         # Written with a positive tilt it would change its sign: as near as it comes to that is no tilt.
