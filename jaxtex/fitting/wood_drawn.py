@@ -15,7 +15,7 @@ from jaxtex.fitting.wood_outcome import Seen, is_early
 from jaxtex.fitting.wood_phase import compare_rings, follow_rings
 from jaxtex.fitting.wood_solve import Rings, fit_mask
 from jaxtex.fitting.wood_start import list_starts
-from jaxtex.fitting.wood_turbulence import Turbulence, fit_turbulence
+from jaxtex.fitting.wood_turbulence import RIGID, fit_turbulence
 from jaxtex.photo.ring_lines import follow_lines
 
 Floats = NDArray[np.float64]
@@ -28,7 +28,6 @@ _STRAYING = 0.5  # of overlap, that a displacement by a ring costs
 _LEANING = 0.02  # and a tilt by a right angle
 _APART = np.array([2.0, 2.0, 0.01, 0.01, 0.01])  # rings that differ by less are the same
 _MOVES = 4  # towards a given middle of the ellipses
-_RIGID = 0.2  # pixels: rings displaced by less are not
 _HOPELESS = 0.62  # overlap that none of the first starts has where there are no rings
 _STEEPEST = 0.4  # pixels of displacement from one pixel to the next: displaced more steeply, any rings would do
 _NO_TILT = 1e-6  # radians: none that could be seen, but a number
@@ -86,10 +85,8 @@ def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) ->
     seen = follow_lines(early - early.mean(), found.seen, float(np.exp(free[4])))
     fitted = fit_turbulence(seen, found.clear, free[:GEOMETRY], held)
     if fitted is not None:
-        if fitted.rms > _RIGID:
-            fitted, seen = _recount(fitted, seen, found.clear, held)
-        turbulence = fitted.rms, fitted.frequency
-        if fitted.rms > _RIGID:
+        seen, turbulence = fitted.rings, (fitted.rms, fitted.frequency)
+        if fitted.rms > RIGID:
             free[:GEOMETRY] = fitted.free
             covariance = np.zeros((len(free),) * 2)
             covariance[:GEOMETRY, :GEOMETRY] = fitted.covariance
@@ -168,17 +165,6 @@ def _where_clear(strength: Floats, count: Floats, spacing: float) -> Mask:
     # Where rings pass slowly, the blur that parts them from their mirror image is too small.
     slope = np.hypot(*np.gradient(count)) * spacing
     return clear & (count > 2.0) & (slope > 0.7) & (strength > 0.3 * strength.max())
-
-
-def _recount(fitted: Turbulence, seen: Floats, clear: Mask, held: Held) -> tuple[Turbulence, Floats]:
-    """The likeliest of the rings seen (H, W) and those with one ring more or less around the pith: with a displacement
-    of its own, either count explains the mask."""
-    free, recounted = fitted.free, seen
-    for more in (-1.0, 1.0):
-        other = fit_turbulence(seen + more, clear, free, held)
-        if other is not None and np.isfinite(other.free).all() and other.likelihood > fitted.likelihood:
-            fitted, recounted = other, seen + more
-    return fitted, recounted
 
 
 def _read_share(early: Floats, seen: Floats, clear: Mask) -> tuple[float, float]:

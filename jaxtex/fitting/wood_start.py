@@ -27,6 +27,7 @@ from jaxtex.fitting.rings import (
     square_waves,
     wave_squares,
 )
+from jaxtex.models.waves import cosine
 from jaxtex.photo.grain import FINEST, LocalWaves, find_period, measure_waves
 
 Floats = NDArray[np.float64]
@@ -95,6 +96,7 @@ def scan_for_pith(rings: Floats, across: float, spacing: float, held: Held) -> l
     smooth = ndimage.gaussian_filter(rings, step / 2)[step // 2 :: step, step // 2 :: step]
     u, v = lay_plank(height, width, step)
     rows, columns = (_BLOCKS * n // whole for n, whole in zip(np.indices(smooth.shape), smooth.shape, strict=True))
+    few = _choose_few((_BLOCKS * rows + columns).ravel())
     reach = float(np.hypot(height, width)) / 2
     places = [
         hold(np.array([axis, lean * middle, np.arcsin(lean), across, np.log(spacing)]), held)
@@ -104,12 +106,9 @@ def scan_for_pith(rings: Floats, across: float, spacing: float, held: Held) -> l
     ]
     # Their number depends on the spacing; few lengths share few compilations.
     places += places[:1] * (-len(places) % 2048)
-    few = np.random.default_rng(0).permutation(smooth.size)[:_POINTS]
     with jax.enable_x64():
         plank = Plank(*(jnp.asarray(each.ravel()[few]) for each in (u, v)))
-        parts = jnp.asarray((_BLOCKS * rows + columns).ravel()[few])
-        seen = jnp.asarray(smooth.ravel()[few])
-        scores = jax.device_get(_score_places(jnp.asarray(np.array(places)), plank, seen, parts))
+        scores = jax.device_get(_score_places(jnp.asarray(np.array(places)), plank, jnp.asarray(smooth.ravel()[few])))
     return _differing(places[n] if held else canonical_rings(places[n])[0] for n in np.argsort(-scores))
 
 
@@ -136,14 +135,21 @@ def _wave_residuals(step: Array, problem: tuple[Array, Array, Plank, Array, Arra
     return aside * jax.lax.rsqrt(1.0 + jnp.sum(aside**2, axis=1, keepdims=True) / _OUTLIER**2)
 
 
+def _choose_few(blocks: NDArray[np.int_]) -> NDArray[np.int_]:
+    """Numbers of as many points (blocks, N) of each block, by the block (P,) of every point."""
+    random = np.random.default_rng(0)
+    number = _POINTS // _BLOCKS**2
+    return np.array([random.choice(np.flatnonzero(blocks == block), number) for block in np.unique(blocks)])
+
+
 @jax.jit
-def _score_places(places: Array, plank: Plank, rings: Array, parts: Array) -> Array:
-    """How well rings around each of the places (S, 5) agree with a map (N,), block by block (N,) of the picture."""
+def _score_places(places: Array, plank: Plank, rings: Array) -> Array:
+    """How well rings around each of the places (S, 5) agree with a map (B, N), block by block of the picture."""
 
     def score(place: Array) -> Array:
-        turn = 2 * jnp.pi * ring_count(place, plank)
-        sums = [jnp.zeros(_BLOCKS**2).at[parts].add(rings * wave(turn)) for wave in (jnp.cos, jnp.sin)]
-        return jnp.sum(jnp.sqrt(sums[0] ** 2 + sums[1] ** 2))
+        count = ring_count(place, plank)
+        real, imaginary = (jnp.sum(rings * cosine(count - lag), axis=1) for lag in (0.0, 0.25))
+        return jnp.sum(jnp.sqrt(real**2 + imaginary**2))
 
     return jax.lax.map(score, places, batch_size=16)
 

@@ -20,6 +20,9 @@ from jaxtex.fitting.rings import GEOMETRY, Held, Plank, model_count, ring_count
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+RIGID = 0.2
+"""Pixels: rings displaced by less are not."""
+
 _CELLS = 26  # along the picture's longer side: as many points as a factorisation takes in a moment
 _FEWEST = 0.3  # of a cell's pixels must be clear
 _SPREAD = 0.3  # of the logarithm of frequencies, as in the model
@@ -31,13 +34,14 @@ _STEPS = 10
 
 class Turbulence(NamedTuple):
     """``free`` (5,) and its ``covariance`` (5, 5), turbulence accounted for; ``rms`` of the displacement within the
-    picture, its mean left aside, pixels; ``frequency``, cycles per pixel; ``likelihood``, logarithm, of the rings seen,
-    up to a constant."""
+    picture, its mean left aside, pixels; ``frequency``, cycles per pixel; ``rings`` (H, W), those seen, in the
+    likeliest count; ``likelihood``, its logarithm, up to a constant."""
 
     free: Floats
     covariance: Floats
     rms: float
     frequency: float
+    rings: Floats
     likelihood: float
 
 
@@ -50,15 +54,27 @@ class _Cells(NamedTuple):
 
 def fit_turbulence(rings: Floats, clear: Mask, free: Floats, held: Held) -> Turbulence | None:
     """Fit rings and turbulence to the rings seen (H, W) where that is clear, from a vector (5,); None where too
-    little is."""
+    little is.
+
+    With a displacement of their own, one ring more or less around the pith explains the others as well: the likeliest
+    count is taken.
+    """
     cells = _average_about(rings, clear, free)
     if len(cells.rings) < 4 * GEOMETRY:
         return None
     loose = [n for n in range(GEOMETRY) if n not in held]
     wavelengths = _WAVELENGTHS * max(rings.shape)
     correlations = [correlate_turbulence(cells.place, 1 / each) for each in wavelengths]
-    found = free[:GEOMETRY].copy()
-    unit = float(np.exp(found[4]))
+    best = _fit_count(rings, clear, free, loose, correlations)
+    if best.rms > RIGID:
+        others = [_fit_count(rings + more, clear, best.free, loose, correlations) for more in (-1.0, 1.0)]
+        best = max([best, *(each for each in others if np.isfinite(each.free).all())], key=lambda each: each.likelihood)
+    return best
+
+
+def _fit_count(rings: Floats, clear: Mask, free: Floats, loose: list[int], correlations: list[Floats]) -> Turbulence:
+    """The fit to rings (H, W) as they are counted."""
+    found, unit = free[:GEOMETRY].copy(), float(np.exp(free[4]))
     for _ in range(_ROUNDS):
         cells = _average_about(rings, clear, found)
         off, rows = _linearise(found, cells, unit)
@@ -66,14 +82,14 @@ def fit_turbulence(rings: Floats, clear: Mask, free: Floats, held: Held) -> Turb
         number = int(np.argmax([fit.likelihood for fit in fits]))
         found = _descend(found, cells, loose, fits[number], unit)
     off, rows = _linearise(found, cells, unit)
-    covariance = np.zeros((GEOMETRY, GEOMETRY))
     fit = _likelihood(correlations[number], off, rows[:, loose])
+    covariance = np.zeros((GEOMETRY, GEOMETRY))
     covariance[np.ix_(loose, loose)] = fit.covariance
     # What the rings took up of the displacement counts as well, as much as their numbers are uncertain.
     centred = rows - rows.mean(0)
     taken = np.einsum("nk,kl,nl->n", centred, covariance, centred).mean()
-    rms, frequency = float(np.sqrt(off.var() + taken)), float(1 / wavelengths[number])
-    return Turbulence(found, covariance, rms, frequency, fit.likelihood)
+    rms, frequency = float(np.sqrt(off.var() + taken)), 1 / float(_WAVELENGTHS[number] * max(rings.shape))
+    return Turbulence(found, covariance, rms, frequency, rings, fit.likelihood)
 
 
 def _average_about(rings: Floats, clear: Mask, free: Floats) -> _Cells:

@@ -71,15 +71,16 @@ def in_bands(
         yield jax.tree.unflatten(jax.tree.structure(blocks[0]), parts)
 
 
-def evaluate_points(function: Callable[[Any, Array], Any], model: Any, x: Array, y: Array) -> Any:
+def evaluate_points(function: Callable[[Any, Array], Any], model: Any, x: Array, y: Array, *, rows: int = BAND) -> Any:
     """A function of a model and one point (2,) at all points of a grid: arrays [row, col, ...].
 
     Args:
         function: one of a module, so that it is compiled once.
         model: its first argument, a pytree.
         x, y: [col], [row].
+        rows: evaluated at once. What a model takes for each point must stay within caches, or it is ten times slower.
     """
-    return _evaluate(function, model, x, y)
+    return _evaluate(function, model, x, y, rows)
 
 
 @jax.jit
@@ -91,8 +92,11 @@ def normals_of(slope_x: Array, slope_y: Array) -> Array:
 
 
 @eqx.filter_jit
-def _evaluate(function: Callable[[Any, Array], Any], model: Any, x: Array, y: Array) -> Any:
-    return jax.vmap(lambda at: jax.vmap(lambda across: function(model, jnp.stack([across, at])))(x))(y)
+def _evaluate(function: Callable[[Any, Array], Any], model: Any, x: Array, y: Array, rows: int) -> Any:
+    def row(at: Array) -> Any:
+        return jax.vmap(lambda across: function(model, jnp.stack([across, at])))(x)
+
+    return jax.lax.map(row, y, batch_size=rows)
 
 
 def _pixel_centres(start: float, length: float, pixels: int, block: int) -> npt.NDArray[np.float32]:

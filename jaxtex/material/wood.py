@@ -22,7 +22,8 @@ from jaxtex.models.wood import Wood
 MOST_VOXELS = 1 << 30
 """Larger blocks are refused: this many are a file of 12 GiB."""
 
-_CHUNK = 1 << 16  # points evaluated at a time: one shape for all blocks and meshes
+_CHUNK = 1 << 14  # points evaluated at a time, as many as caches hold: one shape for all blocks and meshes
+_ROWS = 4  # evaluated at once: each point takes 48 waves
 _SPOT = 0.5  # standard deviation of what a pixel sees, in pixels
 _RELIEF = 0.02  # of the ring spacing: how high late wood stands
 _ROUNDING = 0.06  # likewise: how soft its edges are
@@ -126,7 +127,7 @@ def render_block(wood: Wood, *, shape: tuple[int, int, int]) -> Iterator[npt.NDA
     """Render a block of voxels, some at a time; a voxel is as large as a pixel of the photograph.
 
     The first slice is the photographed face, about the photograph's middle; the others lie below it. Memory is that of
-    65 536 voxels, whatever the block.
+    16 384 voxels, whatever the block.
 
     Args:
         wood: the model.
@@ -211,8 +212,8 @@ class _Plank(eqx.Module):
 
 
 def _render_grid(plank: _Plank, x: Array, y: Array) -> WoodMaps:
-    colour, roughness = evaluate_points(_surface, plank, x, y)
-    height, slope = evaluate_points(_height_and_slope, plank, x, y)
+    colour, roughness = evaluate_points(_surface, plank, x, y, rows=_ROWS)
+    height, slope = evaluate_points(_height_and_slope, plank, x, y, rows=_ROWS)
     maps = colour, height, normals_of(slope[..., 0], slope[..., 1]), roughness
     return WoodMaps(*map(np.asarray, maps))
 

@@ -16,6 +16,7 @@ from jax.typing import ArrayLike
 from numpy.typing import NDArray
 
 from jaxtex.models.soft import soft_step
+from jaxtex.models.waves import cosine
 from jaxtex.models.wood_detail import Displacement, Fibres
 
 _WAVES = 48
@@ -98,9 +99,9 @@ class Wood(eqx.Module):
 
     def turbulence(self, trunk: Array) -> Array:
         """By how much rings are displaced outwards at a trunk point (3,)."""
-        turns = self.waves @ trunk * self.turbulence_frequency
-        amplitude = self.turbulence_rms * jnp.sqrt(2.0 / len(self.phases))
-        return amplitude * jnp.sum(jnp.cos(2 * jnp.pi * turns + self.phases))
+        # A product of matrices would be written to memory before its cosines are taken.
+        turns = jnp.sum(self.waves * trunk[None, :], axis=1) * self.turbulence_frequency + self.phases / (2 * jnp.pi)
+        return self.turbulence_rms * jnp.sqrt(2.0 / len(self.phases)) * jnp.sum(cosine(turns))
 
     def early_wood(self, trunk: Array, *, blur: ArrayLike) -> Array:
         """How much of a Gaussian spot of standard deviation `blur` pixels around a trunk point (3,) is early wood."""

@@ -7,6 +7,8 @@ import jax.numpy as jnp
 from jax import Array
 from jax.typing import ArrayLike
 
+from jaxtex.models.waves import cosine
+
 _LONG = 24.0  # times as long as broad: fibres, and pores
 _COARSE = 2.5  # times as broad: the bundles that fibres lie in
 _MIXED = 0.8, 0.6  # how strong fibres are, and bundles; squared, they add up to 1
@@ -89,7 +91,7 @@ class Displacement(eqx.Module):
         right, down = u - self.middle[0], v - self.middle[1]
         place = jnp.stack([c * right + s * down, c * down - s * right]) / self.extent + 0.5
         terms = zip(self.cosines.shape[::-1], place, strict=True)
-        x, y = (jnp.cos(jnp.pi * jnp.arange(count, dtype=p.dtype) * p) for count, p in terms)
+        x, y = (cosine(0.5 * jnp.arange(count, dtype=p.dtype) * p) for count, p in terms)
         beyond = jnp.maximum(jnp.abs(place - 0.5) - 0.5, 0.0)
         beneath = depth / jnp.max(self.extent)
         return y @ self.cosines @ x, jnp.exp(-0.5 * (jnp.sum(beyond**2) + beneath**2) / _FADE**2)
