@@ -261,7 +261,7 @@ def run_row(row: str, args: argparse.Namespace) -> list[dict[str, Any]]:
 
 def is_left_out(each: dict[str, Any], bar: float) -> bool:
     """Whether the fit says, and rightly, that this picture does not tell the parameter to within the bar."""
-    return bool(each["sigma"] > bar and each["floor"] > bar)
+    return bool(not each["sigma"] <= bar and each["floor"] > bar)
 
 
 def middle_error(row: str, planks: list[dict[str, Any]]) -> float:
@@ -292,6 +292,7 @@ def summarise(found: list[dict[str, Any]], *, turbulent: bool) -> str:
         all_of_row = [each for each in found if each["row"] == row]
         mine = [each for each in all_of_row if not is_left_out(each, bar)]
         if not mine:
+            rows.append([row, *(f"{each:g}" for each in (*PAPER[row], bar)), *[""] * 7, f"all {len(all_of_row)}"])
             continue
         # What is known of one normal error: its mean absolute value is 0.8 standard deviations.
         errors, floors = (np.array([each[name] for each in mine]) for name in ("error", "floor"))

@@ -213,8 +213,8 @@ plt.show()
 # %% [markdown]
 # ## Departures from the paper
 #
-# - Turbulence is given by the displacement that it causes, in pixels, whatever noise makes it; the fitted solid's own
-#   turbulence is as strong and as coarse as the picture's, not the same.
+# - Turbulence is given by the displacement that it causes, in pixels, whatever noise makes it. On its picture a fitted
+#   plank has the displacement that was seen; beyond it, turbulence as strong and as coarse.
 # - Rings have soft edges as wide as the spot that looks at them, so that the picture has a derivative and no aliasing.
 # - The axis is found without a click; `ellipse_center` and `fix` hold what the user knows better.
 # - On photographs the rings are counted along the grain, uneven as they are.

@@ -25,6 +25,7 @@ from jaxtex.fitting.wood_drawn import read_drawn
 from jaxtex.fitting.wood_grain import Grain, read_grain
 from jaxtex.fitting.wood_outcome import (
     Seen,
+    find_inner_wood,
     is_early,
     measure_displacement,
     read_colours,
@@ -143,7 +144,7 @@ def fit_wood(
         early = early if mask is not None else _enlarge(grain.early, picture.shape[:2])
     clock.note("rings")
     tell(2, 3)
-    fit = _describe(picture, light, seen, early, scale, clock)
+    fit = _describe(picture, flatten_light(working), seen, early, scale, clock)
     tell(3, 3)
     return dataclasses.replace(fit, ok=not reason, reason=reason)
 
@@ -189,13 +190,14 @@ def _describe(
     rings = _enlarge(seen.rings, shape)
     displacement = read_displacement(seen.rings, seen.free) * scale
     logit = float(seen.free[GEOMETRY])
-    wood = wood_of(seen.free, seen.turbulence, read_colours(picture, rings, logit), scale=scale)
-    fibres = read_fibres(picture)
+    inner = find_inner_wood(rings, logit)
+    wood = wood_of(seen.free, seen.turbulence, read_colours(picture, inner, early), scale=scale)
     field = smooth_displacement(displacement, seen.clear, wood, scale=scale)
+    gradation, _ = read_gradation(light, seen.rings, seen.clear, float(wood.early_fraction))
     wood = dataclasses.replace(
         wood,
-        gradation=jnp.asarray(read_gradation(light, seen.rings, seen.clear, float(wood.early_fraction))),
-        fibres=fibres if float(fibres.contrast) > 0 else None,
+        gradation=jnp.asarray(gradation),
+        fibres=read_fibres(picture, inner[0] | inner[1]),
         displacement=field if seen.turbulence[0] > 0 else None,
     )
     errors = standard_errors(seen, scale=scale)

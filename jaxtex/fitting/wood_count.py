@@ -90,12 +90,13 @@ def fit_count(grain: Grain, held: Held) -> CountedRings:
 
 
 def _straight(grain: Grain) -> _Start:
-    """Rings of a trunk whose axis lies just beside the picture, along the plank."""
+    """Rings of a trunk whose axis lies just beside the picture, along the plank, on the side that late wood tells."""
     turn = _across(grain)
     height, width = grain.rings.shape
     edge = 0.5 * (abs(np.cos(turn)) * width + abs(np.sin(turn)) * height)
-    free = np.array([-edge - grain.spacing, 0.0, 0.0, turn, np.log(grain.spacing)])
-    return _Start(free, np.array([False, False, False, True, True]), 1.0)
+    sense = 1.0 if grain.outwards else -1.0
+    free = np.array([-sense * (edge + grain.spacing), 0.0, 0.0, turn, np.log(grain.spacing)])
+    return _Start(free, np.array([False, False, False, True, True]), sense)
 
 
 def _held(start: _Start, held: Held) -> _Start:
@@ -174,7 +175,7 @@ def _settle(grain: Grain, end: _End, independent: float, held: Held) -> CountedR
         end = _solve(grain, end.start._replace(free=free), independent, begin)
         free = end.vector[:GEOMETRY]
     elif 0 not in held:
-        free[0] -= (end.vector[5] - begin) * np.exp(free[4])
+        free[0] -= end.start.sense * (end.vector[5] - begin) * np.exp(free[4])
     spread = np.asarray(np.linalg.pinv(end.curvature, hermitian=True), float) * end.cost / independent
     covariance = spread[:GEOMETRY, :GEOMETRY]
     if grain.across is None:

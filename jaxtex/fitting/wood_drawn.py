@@ -78,16 +78,16 @@ def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) ->
     if found.rings.free[2] < 0 and 1 in held:
         # Written with a positive tilt it would change its sign: as near as it comes to that is no tilt.
         held = {**held, 2: _NO_TILT}
-        followed = follow_rings(early - early.mean(), hold(found.rings.free[:GEOMETRY], held), held)[0]
+        followed = follow_rings(early - early.mean(), hold(found.rings.free[:GEOMETRY], held), held)
         found = _try(early, np.append(followed, found.rings.free[GEOMETRY]), held) or found
     free, covariance, turbulence = found.rings.free.copy(), found.rings.covariance.copy(), (0.0, 0.0)
     # The blur that rings were looked at through took from their displacement; what is left is followed.
     seen = follow_lines(early - early.mean(), found.seen, float(np.exp(free[4])))
     fitted = fit_turbulence(seen, found.clear, free[:GEOMETRY], held)
     if fitted is not None:
-        seen, turbulence = fitted.rings, (fitted.rms, fitted.frequency)
+        turbulence = fitted.rms, fitted.frequency
         if fitted.rms > RIGID:
-            free[:GEOMETRY] = fitted.free
+            free[:GEOMETRY], seen = fitted.free, fitted.rings
             covariance = np.zeros((len(free),) * 2)
             covariance[:GEOMETRY, :GEOMETRY] = fitted.covariance
             if GEOMETRY not in held:
@@ -111,7 +111,7 @@ def _find_rings(early: Floats, held: Held) -> _Found | None:
     tried: list[Floats] = []
     for number, starts in enumerate(list_starts(early - share, held)):
         for start in starts:
-            free = follow_rings(early - share, start, held)[0]
+            free = follow_rings(early - share, start, held)
             if any((np.abs(free - other) < _APART).all() for other in tried):
                 continue
             tried.append(free)
@@ -132,7 +132,7 @@ def _move_to(early: Floats, found: _Found, held: Held, middle: tuple[float, floa
         free = found.rings.free
         c, s, lean = np.cos(free[3]), np.sin(free[3]), np.sin(free[2])
         axis = {0: middle[0] * c + middle[1] * s, 1: lean * (middle[1] * c - middle[0] * s)}
-        placed = follow_rings(early - early.mean(), hold(free[:GEOMETRY], axis), {**held, **axis})[0]
+        placed = follow_rings(early - early.mean(), hold(free[:GEOMETRY], axis), {**held, **axis})
         found = _try(early, np.append(placed, free[GEOMETRY]), {**held, **axis}) or found
     return found, {**held, **axis}
 

@@ -12,6 +12,7 @@ from scipy import signal
 from skimage.filters import threshold_otsu
 
 from jaxtex.fitting.rings import lay_plank
+from jaxtex.fitting.wood_detail import read_gradation
 from jaxtex.photo.directions import (
     Directions,
     compare_directions,
@@ -49,16 +50,17 @@ class Grain(NamedTuple):
     """What a photograph (H, W) shows of its rings.
 
     ``early`` (H, W): the mask of early wood; ``directions``: those of its rings; ``rings`` (H, W): which ring each
-    place belongs to, counted from anywhere and either way; ``followed`` (H, W): likewise, place by place; ``clear``
-    (H, W): where nothing runs astray, such as knots. ``spacing``, pixels. ``across``: the direction across the fibres,
-    radians, or None in end grain. ``pith``: where in the picture rings close around it, if they do. ``agreement`` and
-    ``crossing``: as `compare_directions` has them.
+    place belongs to, counted from anywhere and either way; ``followed`` (H, W): likewise, place by place; ``outwards``:
+    whether late wood ends sharply towards higher counts; ``clear`` (H, W): where nothing runs astray, such as knots.
+    ``spacing``, pixels. ``across``: the direction across the fibres, radians, or None in end grain. ``pith``: where in
+    the picture rings close around it, if they do. ``agreement`` and ``crossing``: as `compare_directions` has them.
     """
 
     early: Mask
     directions: Directions
     rings: Floats
     followed: Floats
+    outwards: bool
     clear: Mask
     spacing: float
     across: float | None
@@ -88,12 +90,20 @@ def read_grain(light: Floats, *, across: float | None = None, middle: tuple[floa
     smooth = smooth_along(light, known or directions, float(np.clip(1.5 * spacing, 8, 40)))
     even = np.tanh(even_out_rings(smooth, spacing))
     rings = count_lines(even, levels, spacing)
+    followed = follow_lines(even, rings, spacing)
+    clear = compare_directions(directions, levels)[2]
+    early = even > threshold_otsu(even)
+    # Late wood ends sharply on its outer side, whichever way rings were counted.
+    outwards, inwards = (
+        read_gradation(light, each, clear, float(early.mean()))[1] for each in (followed, 0.5 - followed)
+    )
     return Grain(
-        early=even > threshold_otsu(even),
+        early=early,
         directions=directions,
         rings=rings,
-        followed=follow_lines(even, rings, spacing),
-        clear=compare_directions(directions, levels)[2],
+        followed=followed,
+        outwards=outwards >= inwards,
+        clear=clear,
         spacing=spacing,
         across=across,
         pith=pith,

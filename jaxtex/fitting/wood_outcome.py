@@ -55,12 +55,22 @@ def measure_displacement(displacement: Floats, clear: Mask) -> tuple[float, floa
     return float(free[clear].std()), float((radius * power).sum() / max(float(power.sum()), 1e-30))
 
 
-def read_colours(picture: NDArray[np.float32], rings: Floats, logit: float) -> tuple[Floats, Floats]:
-    """Linear colours (3,) of early and late wood in a picture (H, W, C): the middle half of each, by its count of rings
-    (H, W). Section 3.1 takes quartiles of lightness; these would count fibres as rings."""
+def find_inner_wood(rings: Floats, logit: float) -> tuple[Mask, Mask]:
+    """The middle half of early and of late wood (H, W), by their count of rings (H, W)."""
     fraction = 1 / (1 + np.exp(-logit))
     aside = np.abs((rings - 0.25 + 0.5) % 1 - 0.5)
-    return _colour_of(picture, aside < 0.25 * fraction), _colour_of(picture, aside > 0.25 + 0.25 * fraction)
+    return aside < 0.25 * fraction, aside > 0.25 + 0.25 * fraction
+
+
+def read_colours(picture: NDArray[np.float32], inner: tuple[Mask, Mask], early: Mask) -> tuple[Floats, Floats]:
+    """Linear colours (3,) of early and late wood in a picture (H, W, C): those of the middle half of each.
+
+    Section 3.1 takes quartiles of lightness; these would count fibres as rings. Where the count of rings does not tell
+    the lighter wood, the mask of ``early`` wood (H, W) does.
+    """
+    counted, masked = ([_colour_of(picture, each) for each in pair] for pair in (inner, (early, ~early)))
+    light, dark = counted if counted[0].mean() > counted[1].mean() else masked
+    return light, dark
 
 
 def wood_of(free: Floats, turbulence: tuple[float, float], colours: tuple[Floats, Floats], *, scale: float) -> Wood:

@@ -20,15 +20,15 @@ Floats = NDArray[np.float64]
 
 _STEPS = 7
 _STEP = 4  # every so many pixels along a side are fitted to
-_WIDE = 8.0  # pixels
+_WIDE = 8.0  # pixels: rings that every second pixel shows
 _WHOLE_RINGS = (0, -1, 1, -2, 2)  # by which the count may be off
 _OUTLIER = 0.5  # rings
 
 _SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-5, atol=1e-5)
 
 
-def follow_rings(rings: Floats, start: Floats, held: Held) -> tuple[Floats, float]:
-    """Carry a start (5,) on until it has all the rings of a map (H, W) of zero mean; and how well they then agree."""
+def follow_rings(rings: Floats, start: Floats, held: Held) -> Floats:
+    """Carry a start (5,) on until it has all the rings of a map (H, W) of zero mean."""
     free, (height, width) = start, rings.shape
     # Wide rings are seen as well in every second pixel, in a quarter of the time.
     every = 2 if np.exp(start[4]) > _WIDE else 1
@@ -48,8 +48,7 @@ def follow_rings(rings: Floats, start: Floats, held: Held) -> tuple[Floats, floa
         free = found
         if moved.max() < 0.3:
             break
-    _, strength, _ = compare_rings(rings, free, blur=0.5 * float(np.exp(free[4])), every=every)
-    return free, float(strength.mean())
+    return free
 
 
 def compare_rings(rings: Floats, free: Floats, *, blur: float, every: int = 1) -> tuple[Floats, Floats, Floats]:

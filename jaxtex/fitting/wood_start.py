@@ -139,7 +139,8 @@ def _choose_few(blocks: NDArray[np.int_]) -> NDArray[np.int_]:
     """Numbers of as many points (blocks, N) of each block, by the block (P,) of every point."""
     random = np.random.default_rng(0)
     number = _POINTS // _BLOCKS**2
-    return np.array([random.choice(np.flatnonzero(blocks == block), number) for block in np.unique(blocks)])
+    places = [np.flatnonzero(blocks == block) for block in np.unique(blocks)]
+    return np.array([random.choice(each, number, replace=len(each) < number) for each in places])
 
 
 @jax.jit

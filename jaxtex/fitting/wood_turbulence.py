@@ -65,16 +65,20 @@ def fit_turbulence(rings: Floats, clear: Mask, free: Floats, held: Held) -> Turb
     loose = [n for n in range(GEOMETRY) if n not in held]
     wavelengths = _WAVELENGTHS * max(rings.shape)
     correlations = [correlate_turbulence(cells.place, 1 / each) for each in wavelengths]
-    best = _fit_count(rings, clear, free, loose, correlations)
+    # One unit for all, so that their likelihoods can be compared.
+    unit = float(np.exp(free[4]))
+    best = _fit_as_counted(rings, clear, free, loose, correlations, unit)
     if best.rms > RIGID:
-        others = [_fit_count(rings + more, clear, best.free, loose, correlations) for more in (-1.0, 1.0)]
+        others = [_fit_as_counted(rings + more, clear, best.free, loose, correlations, unit) for more in (-1.0, 1.0)]
         best = max([best, *(each for each in others if np.isfinite(each.free).all())], key=lambda each: each.likelihood)
     return best
 
 
-def _fit_count(rings: Floats, clear: Mask, free: Floats, loose: list[int], correlations: list[Floats]) -> Turbulence:
-    """The fit to rings (H, W) as they are counted."""
-    found, unit = free[:GEOMETRY].copy(), float(np.exp(free[4]))
+def _fit_as_counted(
+    rings: Floats, clear: Mask, free: Floats, loose: list[int], correlations: list[Floats], unit: float
+) -> Turbulence:
+    """The fit to rings (H, W) as they are counted, ``unit`` pixels to a ring."""
+    found = free[:GEOMETRY].copy()
     for _ in range(_ROUNDS):
         cells = _average_about(rings, clear, found)
         off, rows = _linearise(found, cells, unit)

@@ -3,6 +3,7 @@
 The solid's points are (x, y, z) in pixels of the photograph, from its middle: x right, y down, z into the plank.
 """
 
+import dataclasses
 import math
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -23,6 +24,7 @@ MOST_VOXELS = 1 << 30
 """Larger blocks are refused: this many are a file of 12 GiB."""
 
 _CHUNK = 1 << 14  # points evaluated at a time, as many as caches hold: one shape for all blocks and meshes
+_COSINES = 32  # in a row or column, or a multiple of it
 _ROWS = 4  # evaluated at once: each point takes 48 waves
 _SPOT = 0.5  # standard deviation of what a pixel sees, in pixels
 _RELIEF = 0.02  # of the ring spacing: how high late wood stands
@@ -258,4 +260,10 @@ def _to_trunk(wood: Wood, point: Array) -> Array:
 
 
 def _in_single(wood: Wood) -> Wood:
+    """In single precision. A displacement's cosines get zeros for company: few numbers of them share few compilations,
+    and a floor has a plank of every size."""
+    field = wood.displacement
+    if field is not None:
+        padded = jnp.pad(jnp.asarray(field.cosines), [(0, -count % _COSINES) for count in field.cosines.shape])
+        wood = dataclasses.replace(wood, displacement=dataclasses.replace(field, cosines=padded))
     return jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), wood)

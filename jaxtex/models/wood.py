@@ -242,6 +242,9 @@ def make_wood(
         "gradation": gradation,
     }
     numbers = {name: _checked(name, value) for name, value in given.items()}
+    for part in (fibres, displacement):
+        if part is not None:
+            part.check()
     waves, phases = _draw_waves(seed)
     values = {name: jnp.asarray(value, float) for name, value in numbers.items()}
     return Wood(**values, waves=waves, phases=phases, fibres=fibres, displacement=displacement)

@@ -4,6 +4,7 @@ import math
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
@@ -25,7 +26,7 @@ class Fibres(eqx.Module):
     Attributes:
         contrast: root mean square of the streaks' lightness, relative to the wood's, >= 0.
         width: how broad they are, in pixels, > 0.
-        pores: share of the volume that is pores, 0 to 0.2.
+        pores: share of the volume that is pores, 0 to 0.25.
 
     Examples:
         >>> fibres = Fibres(jnp.array(0.1), jnp.array(2.0), jnp.array(0.0))
@@ -36,6 +37,17 @@ class Fibres(eqx.Module):
     contrast: Array
     width: Array
     pores: Array
+
+    def check(self) -> None:
+        """Refuse what are no fibres.
+
+        Raises:
+            ValueError: a number that is out of range or not finite.
+        """
+        for name, low, high in (("contrast", 0.0, 1.0), ("width", 1e-6, math.inf), ("pores", 0.0, 0.25)):
+            value = float(getattr(self, name))
+            if not (low <= value <= high and math.isfinite(value)):
+                raise ValueError(f"fibres.{name} is {value:g}; it must be at least {low:g} and at most {high:g}")
 
     def tone(self, trunk: Array, *, blur: ArrayLike) -> Array:
         """What the wood's colour at a trunk point (3,) is multiplied by, seen through a spot of `blur` pixels."""
@@ -84,6 +96,19 @@ class Displacement(eqx.Module):
     extent: Array
     middle: Array
     turn: Array
+
+    def check(self) -> None:
+        """Refuse what is no displacement.
+
+        Raises:
+            ValueError: numbers that are not finite, too few of them, or a picture without extent.
+        """
+        if not all(np.isfinite(leaf).all() for leaf in (self.cosines, self.extent, self.middle, self.turn)):
+            raise ValueError("the displacement holds numbers that are not finite")
+        if np.ndim(self.cosines) != 2 or np.size(self.cosines) == 0:
+            raise ValueError(f"displacement.cosines has the shape {np.shape(self.cosines)}; it must be a matrix")
+        if not (np.asarray(self.extent) > 0).all():
+            raise ValueError(f"displacement.extent is {np.asarray(self.extent).tolist()}; it must be more than 0")
 
     def __call__(self, u: Array, v: Array, depth: Array) -> tuple[Array, Array]:
         """The displacement at a plank's point and below its face; and how much it counts there, 1 on the picture."""

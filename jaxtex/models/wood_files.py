@@ -121,6 +121,8 @@ def wood_from_parameters(parameters: Mapping[str, Any], *, seed: int) -> Wood:
 def _displacement_of(values: Mapping[str, Any] | None) -> Displacement | None:
     if values is None:
         return None
+    if len({len(row) for row in values["cosines"]}) > 1:
+        raise ValueError("displacement.cosines has rows of several lengths; they must all be as long")
     turn = jnp.asarray(math.radians(values["turn_deg"]))
     return Displacement(**{name: jnp.asarray(values[name], float) for name in _FIELD}, turn=turn)
 

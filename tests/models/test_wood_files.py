@@ -221,6 +221,13 @@ BAD_ENTRIES = [
     ("parameters.center", [1], "parameters.center is [1]; it must be a list of 2"),
     ("parameters.early_rgb", [1, 1], "parameters.early_rgb is [1, 1]; it must be a list of 3"),
     ("parameters.tile_width", 3, "parameters.tile_width is not known; it must be one of center, tilt_deg"),
+    ("parameters.gradation", 0.3, "parameters.gradation is 0.3; it must be at most 0.25"),
+    ("parameters.fibres", {"contrast": 0.1, "width": 0, "pores": 0}, "parameters.fibres.width is 0; it must be more"),
+    (
+        "parameters.displacement",
+        {"cosines": [[1, 2], [3]], "extent": [4, 5], "middle": [0, 0], "turn_deg": 0},
+        "displacement.cosines has rows of several lengths",
+    ),
     ("determined", ["center"], 'determined is ["center"]; it must be an object'),
     ("report.iou", 2, "report.iou is 2; it must be at most 1"),
     ("report.start.tilt_deg", -1, "report.start.tilt_deg is -1; it must be at least 0"),
