@@ -1,10 +1,13 @@
 """Floors drawn by plain arithmetic -> planks with the wood of each."""
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxtex.fitting.floor import fit_floor
+from jaxtex.fitting.floor import _placed, fit_floor
 from jaxtex.models.wood import make_wood
+from jaxtex.models.wood_detail import Displacement
 
 EDGES = (-128, -40, 40, 128)
 
@@ -67,3 +70,21 @@ def test_tiles_are_no_floor_of_wood():
     v, u = np.indices((256, 256))
     tiles = np.where((u % 64 < 3) | (v % 64 < 3), 0.1, 0.6) + np.random.default_rng(0).normal(0, 0.02, u.shape)
     assert not fit_floor(np.clip(tiles, 0, 1)).ok
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4, np.pi / 2])
+def test_a_plank_has_its_pieces_rings_where_it_lies(turn):
+    """Wood read off an upright piece, displacement and all, seen at the same places in the photograph."""
+    with jax.enable_x64():
+        cosines = jnp.asarray(np.random.default_rng(0).normal(size=(4, 3)))
+        field = Displacement(cosines, jnp.array([60.0, 200.0]), jnp.zeros(2), jnp.zeros(()))
+        wood = make_wood(ring_spacing=13.0, rotation=0.3, tilt=0.2, center=(40.0, 9.0), displacement=field)
+        off = np.array([7.0, -30.0])
+        placed = _placed(wood, turn, off)
+        c, s = np.cos(turn), np.sin(turn)
+        for point in np.random.default_rng(1).uniform(-25, 25, (8, 2)):
+            there = np.array([[c, -s], [s, c]]) @ (point + off)
+            one, other = (
+                each.ring_count(each.to_trunk(jnp.asarray(at))) for each, at in ((wood, point), (placed, there))
+            )
+            assert one == pytest.approx(float(other), abs=1e-9)
