@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 _LONGEST_LIST = 4  # entries shown in full
 _ASSUMED = "not seen"  # for the error of a parameter that the photograph does not tell
+_HELD = "held"  # likewise, of one that the user held
 _WIDE = 110  # characters: room for what the parameters mean
 
 
@@ -101,16 +102,16 @@ def _parameter_table(file: "TilingFile | WoodFile", *, meaning: bool) -> Any:
 
     errors, start = file.report["standard_errors"], file.report["start"] or {}
     determined = {} if isinstance(file, TilingFile) else file.determined
-    table = Table("parameter", "value", "±", "start", box=None, pad_edge=False)
+    held = file.report.get("held") or ()
+    table = Table("parameter", "value", "±", *(["start"] if start else []), box=None, pad_edge=False)
     for column in table.columns:
         column.no_wrap = True
     if meaning:
         table.add_column("meaning")
     for name, (value, title) in _list_parameters(file).items():
-        started = _show(start.get(name))
-        told = [title] if meaning else []
         error = _show(errors.get(name), digits=2) if determined.get(name, True) else _ASSUMED
-        table.add_row(name, _show(value), error, started, *told)
+        started = [_show(start.get(name))] if start else []
+        table.add_row(name, _show(value), _HELD if name in held else error, *started, *([title] if meaning else []))
     return table
 
 

@@ -175,12 +175,12 @@ def _calmed(wood: Wood) -> Wood:
 
 
 def _across(piece: Floats) -> float:
-    """Across the grain of an upright piece, radians; across its length where no grain is seen."""
+    """Across the grain of an upright piece, radians; where no grain is seen, across the floor's planks."""
     if min(piece.shape[:2]) >= _SMALLEST // 2:
         turn, fibrous = main_direction(measure_directions(flatten_light(piece), _FIBRES))
         if fibrous > _FIBROUS:
             return turn
-    return 0.0 if piece.shape[0] >= piece.shape[1] else np.pi / 2
+    return 0.0
 
 
 def _fit_piece(piece: Floats) -> WoodFit | None:
@@ -221,7 +221,7 @@ def _share(woods: list[Wood]) -> Wood:
     numbers["turbulence_frequency"] = float(np.median([float(wood.turbulence_frequency) for wood in woods]))
     numbers["gradation"] = float(np.median([float(wood.gradation) for wood in woods]))
     fibres = [wood.fibres for wood in woods if wood.fibres is not None]
-    shared = jax.tree.map(lambda *each: jnp.asarray(np.median(each)), *fibres) if fibres else None
+    shared = jax.tree.map(lambda *each: jnp.asarray(np.median(each, axis=0)), *fibres) if fibres else None
     return make_wood(**numbers, center=(-10 * float(numbers["ring_spacing"]), 0.0), fibres=shared)
 
 

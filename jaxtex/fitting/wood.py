@@ -197,7 +197,7 @@ def _describe(
     wood = dataclasses.replace(
         wood,
         gradation=jnp.asarray(gradation),
-        fibres=read_fibres(picture, inner[0] | inner[1]),
+        fibres=read_fibres(picture, inner),
         displacement=field if seen.turbulence[0] > 0 else None,
     )
     errors = standard_errors(seen, scale=scale)

@@ -49,28 +49,31 @@ def read_gradation(light: Floats, rings: Floats, clear: Mask, fraction: float) -
     return float(gradation[best, 0]), float(explained[best])
 
 
-def read_fibres(picture: NDArray[np.float32], inner: Mask) -> Fibres | None:
+def read_fibres(picture: NDArray[np.float32], inner: tuple[Mask, Mask]) -> Fibres | None:
     """The fibres in the middle of a linear picture (H, W, C), as fine as it shows them; None where wood is smooth.
 
-    They are what differs along the grain, away from the borders of rings: on ``inner`` wood (H, W). Streaks much longer
-    than the reach of that, some of the model's own among them, are left to the rings: seen once too seldom, fibres look
-    better than seen twice.
+    They are what differs along the grain, away from the borders of rings: on ``inner`` early and late wood (H, W).
+    Streaks much longer than the reach of that, some of the model's own among them, are left to the rings: seen once too
+    seldom, fibres look better than seen twice.
     """
     height, width = picture.shape[:2]
     near = np.s_[tuple(slice((n - min(n, _CLOSE)) // 2, (n + min(n, _CLOSE)) // 2) for n in (height, width))]
     light = np.log(np.maximum(picture[near].mean(axis=2, dtype=float), 1e-4))
     directions = measure_directions(lightness(picture[near]).astype(float), 2.0)
     fine = light - smooth_along(light, directions, _REACH)
-    seen = fine[inner[near]] if inner[near].any() else fine.ravel()
+    parts = [fine[each[near]] for each in inner]
+    seen = np.concatenate(parts)
+    if len(seen) == 0:
+        return None
     spread = float(np.median(np.abs(seen))) / 0.6745
     if spread < _SMOOTH:
         return None
     breadth = _measure_breadth(np.clip(fine, -3 * spread, 3 * spread), np.angle(directions.across) / 2)
-    pores = float(np.mean(seen < _OUTLIER * spread)) - _NORMAL
+    pores = [float(np.mean(each < _OUTLIER * spread)) - _NORMAL if len(each) else 0.0 for each in parts]
     return Fibres(
         contrast=jnp.asarray(min(spread, _STRONGEST)),
         width=jnp.asarray(max(breadth, 1.0)),
-        pores=jnp.asarray(float(np.clip(pores, 0.0, _MOST_PORES))),
+        pores=jnp.asarray(np.clip(pores, 0.0, _MOST_PORES), float),
     )
 
 

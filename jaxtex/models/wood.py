@@ -124,7 +124,7 @@ class Wood(eqx.Module):
         if self.fibres is None:
             return rings
         # Wood of another seed has its fibres elsewhere.
-        return rings * self.fibres.tone(trunk + _ELSEWHERE * self.phases[:3], blur=blur)
+        return rings * self.fibres.tone(trunk + _ELSEWHERE * self.phases[:3], early, blur=blur)
 
     def _early_share(self, trunk: Array, width: ArrayLike) -> Array:
         return early_share(self.ring_count(trunk), self.early_fraction, width, self.gradation)

@@ -15,7 +15,7 @@ _COARSE = 2.5  # times as broad: the bundles that fibres lie in
 _MIXED = 0.8, 0.6  # how strong fibres are, and bundles; squared, they add up to 1
 _CELL = 2.5  # fibres' breadths: from pore to pore at most
 _PORE = 0.36  # of that: a pore's radius
-_DARK = 0.45  # by how much of the light a pore is darker
+_DARK = 0.4, 0.5, 0.6  # by how much of red, green and blue light a pore is darker
 _SPREAD = math.sqrt((1 - 2 * 9 / 70) ** 3 / 3)  # root mean square of smoothed noise between -1 and 1
 _FADE = 0.12  # of its side: how fast a plank's displacement fades beyond its picture, and below its face
 
@@ -26,12 +26,12 @@ class Fibres(eqx.Module):
     Attributes:
         contrast: root mean square of the streaks' lightness, relative to the wood's, >= 0.
         width: how broad they are, in pixels, > 0.
-        pores: share of the volume that is pores, 0 to 0.25.
+        pores: (2,), share of early and of late wood that is pores, 0 to 0.25.
 
     Examples:
-        >>> fibres = Fibres(jnp.array(0.1), jnp.array(2.0), jnp.array(0.0))
-        >>> fibres.tone(jnp.zeros(3), blur=100.0).item()
-        1.0
+        >>> fibres = Fibres(jnp.array(0.1), jnp.array(2.0), jnp.zeros(2))
+        >>> fibres.tone(jnp.zeros(3), 1.0, blur=100.0).tolist()
+        [1.0, 1.0, 1.0]
     """
 
     contrast: Array
@@ -44,30 +44,34 @@ class Fibres(eqx.Module):
         Raises:
             ValueError: a number that is out of range or not finite.
         """
-        for name, low, high in (("contrast", 0.0, 1.0), ("width", 1e-6, math.inf), ("pores", 0.0, 0.25)):
-            value = float(getattr(self, name))
-            if not (low <= value <= high and math.isfinite(value)):
-                raise ValueError(f"fibres.{name} is {value:g}; it must be at least {low:g} and at most {high:g}")
+        limits = (("contrast", (), 0.0, 1.0), ("width", (), 1e-6, math.inf), ("pores", (2,), 0.0, 0.25))
+        for name, shape, low, high in limits:
+            value = np.asarray(getattr(self, name))
+            if value.shape != shape or not ((low <= value) & (value <= high) & np.isfinite(value)).all():
+                told = "two numbers" if shape else "one number"
+                raise ValueError(f"fibres.{name} is {value.tolist()}; it must be {told}, {low:g} to {high:g}")
 
-    def tone(self, trunk: Array, *, blur: ArrayLike) -> Array:
-        """What the wood's colour at a trunk point (3,) is multiplied by, seen through a spot of `blur` pixels."""
+    def tone(self, trunk: Array, early: ArrayLike, *, blur: ArrayLike) -> Array:
+        """What the wood's colour at a trunk point (3,), so much of which is `early` wood, is multiplied by (3,), seen
+        through a spot of `blur` pixels."""
         fine, coarse = (self._streaks(trunk, scale, blur, salt) for salt, scale in enumerate((1.0, _COARSE)))
         streaks = jnp.maximum(1.0 + self.contrast * (_MIXED[0] * fine + _MIXED[1] * coarse), 0.1)
-        return streaks * (1.0 - _DARK * self._pore(trunk, blur))
+        share = self.pores[1] + early * (self.pores[0] - self.pores[1])
+        return streaks * (1.0 - jnp.array(_DARK, trunk.dtype) * self._pore(trunk, share, blur))
 
     def _streaks(self, trunk: Array, scale: float, blur: ArrayLike, salt: int) -> Array:
         """Noise of unit strength; a spot as broad as its streaks sees it fade."""
         stretch = jnp.array([1.0, 1.0, 1 / _LONG], trunk.dtype) / (self.width * scale)
         return _noise(trunk * stretch, salt) / _SPREAD * _seen(blur, self.width * scale)
 
-    def _pore(self, trunk: Array, blur: ArrayLike) -> Array:
-        """How much of a pore there is, 0 to 1."""
+    def _pore(self, trunk: Array, share: Array, blur: ArrayLike) -> Array:
+        """How much of a pore there is, 0 to 1, where pores take up such a share."""
         size = self.width * _CELL
         cell = jnp.floor(trunk[:2] / size)
         # Each column of cells begins elsewhere along the trunk, or pores would stand in rows.
         along = trunk[2] / (size * _LONG / _CELL) + _random(cell, jnp.zeros(()), 2)
         layer = jnp.floor(along)
-        there = _random(cell, layer, 3) < self.pores / (math.pi * _PORE**2 * 0.7)
+        there = _random(cell, layer, 3) < share / (math.pi * _PORE**2 * 0.7)
         place = 0.5 + (0.5 - _PORE) * (2 * jnp.stack([_random(cell, layer, 4), _random(cell, layer, 5)]) - 1)
         aside = jnp.sum((trunk[:2] / size - cell - place) ** 2) / _PORE**2
         ends = (2 * (along - layer) - 1) ** 4

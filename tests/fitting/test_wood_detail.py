@@ -40,11 +40,11 @@ def test_rings_that_are_not_numbers_are_passed_over():
 
 
 def read_off(contrast: float, width: float, pores: float = 0.0) -> Fibres:
-    fibres = Fibres(*(jnp.asarray(each) for each in (contrast, width, pores)))
+    fibres = Fibres(jnp.asarray(contrast), jnp.asarray(width), jnp.array([pores, pores]))
     wood = make_wood(ring_spacing=40.0, rotation=0.7, fibres=fibres)
     plank = np.concatenate([band.base_colour for band in render_wood(wood, across=256, size=(256, 256))])
     v, u = np.indices((256, 256)) + 0.5 - 128
-    inner = np.logical_or(*find_inner_wood(np.abs(u * np.cos(0.7) + v * np.sin(0.7)) / 40.0, 0.405))
+    inner = find_inner_wood(np.abs(u * np.cos(0.7) + v * np.sin(0.7)) / 40.0, 0.405)
     read = read_fibres(plank, inner)
     assert read is not None
     return read
@@ -60,7 +60,7 @@ def test_fibres_are_read_off_a_plank():
 
 def test_smooth_wood_has_no_fibres():
     flat = np.full((64, 64, 3), 0.4, np.float32)
-    assert read_fibres(flat, np.ones((64, 64), bool)) is None
+    assert read_fibres(flat, (np.ones((64, 64), bool), np.zeros((64, 64), bool))) is None
 
 
 def test_stairs_at_the_borders_of_drawn_rings_are_no_pores():
@@ -108,7 +108,7 @@ def test_the_axis_lies_where_late_wood_comes_on_gradually(turned):
 def test_a_fitted_plank_has_the_rings_that_were_seen_and_its_file_opens(tmp_path):
     wood = make_wood(
         ring_spacing=12.0, center=(-150.0, 20.0), rotation=0.2, turbulence_rms=3.0, turbulence_frequency=0.01,
-        fibres=Fibres(jnp.asarray(0.2), jnp.asarray(1.5), jnp.asarray(0.2)),
+        fibres=Fibres(jnp.asarray(0.2), jnp.asarray(1.5), jnp.asarray([0.2, 0.2])),
     )  # fmt: skip
     plank = np.concatenate([band.base_colour for band in render_wood(wood, across=200, size=(200, 200))])
     fit = fit_wood(plank)

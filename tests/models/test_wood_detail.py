@@ -11,11 +11,12 @@ from jaxtex.models.wood_detail import Displacement, Fibres
 
 
 def tones(fibres: Fibres, points: np.ndarray, blur: float = 0.0) -> np.ndarray:
-    return np.asarray(jax.jit(jax.vmap(lambda at: fibres.tone(at, blur=blur)))(jnp.asarray(points, float)))
+    """In green light, on early wood."""
+    return np.asarray(jax.jit(jax.vmap(lambda at: fibres.tone(at, 1.0, blur=blur)))(jnp.asarray(points, float)))[:, 1]
 
 
 def make_fibres(contrast: float = 0.1, width: float = 2.0, pores: float = 0.0) -> Fibres:
-    return Fibres(*(jnp.asarray(each) for each in (contrast, width, pores)))
+    return Fibres(jnp.asarray(contrast), jnp.asarray(width), jnp.array([pores, 0.0]))
 
 
 def anywhere(count: int = 40_000) -> np.ndarray:
@@ -34,6 +35,12 @@ def test_fibres_have_their_contrast(contrast, width):
 def test_pores_take_their_share(pores):
     seen = tones(make_fibres(0.0, 2.0, pores), anywhere())
     assert (seen < 0.8).mean() == pytest.approx(pores, rel=0.3)
+
+
+def test_late_wood_has_pores_of_its_own():
+    fibres, points = make_fibres(0.0, 2.0, 0.2), jnp.asarray(anywhere(4000))
+    late = jax.vmap(lambda at: fibres.tone(at, 0.0, blur=0.0))(points)
+    assert float(jnp.abs(late - 1).max()) == 0.0
 
 
 def test_fibres_run_along_the_trunk():
@@ -124,7 +131,7 @@ def test_the_seed_moves_fibres():
     ("detail", "told"),
     [
         ({"fibres": make_fibres(width=0.0)}, "fibres.width is 0"),
-        ({"fibres": make_fibres(pores=0.3)}, "fibres.pores is 0.3"),
+        ({"fibres": make_fibres(pores=0.375)}, r"fibres.pores is \[0.375"),
         ({"fibres": make_fibres(contrast=np.nan)}, "fibres.contrast is nan"),
         ({"displacement": Displacement(jnp.ones(3), jnp.ones(2), jnp.zeros(2), jnp.zeros(()))}, "must be a matrix"),
         ({"displacement": Displacement(jnp.ones((2, 2)), jnp.zeros(2), jnp.zeros(2), jnp.zeros(()))}, "extent is"),

@@ -148,7 +148,7 @@ def test_numbers_come_back_exactly(tmp_path):
 
 def make_detailed(**changes) -> Wood:
     with jax.enable_x64():
-        fibres = Fibres(jnp.asarray(0.1), jnp.asarray(1.5), jnp.asarray(0.02))
+        fibres = Fibres(jnp.asarray(0.1), jnp.asarray(1.5), jnp.asarray([0.02, 0.1]))
         cosines, extent = jnp.asarray([[0.25, 1.0], [-2.0, 0.5]]), jnp.asarray([640.0, 480.0])
         field = Displacement(cosines, extent, jnp.asarray([3.0, -4.0]), jnp.asarray(0.3))
         return make_plank(gradation=0.11, fibres=fibres, displacement=field, **changes)
@@ -222,7 +222,11 @@ BAD_ENTRIES = [
     ("parameters.early_rgb", [1, 1], "parameters.early_rgb is [1, 1]; it must be a list of 3"),
     ("parameters.tile_width", 3, "parameters.tile_width is not known; it must be one of center, tilt_deg"),
     ("parameters.gradation", 0.3, "parameters.gradation is 0.3; it must be at most 0.25"),
-    ("parameters.fibres", {"contrast": 0.1, "width": 0, "pores": 0}, "parameters.fibres.width is 0; it must be more"),
+    (
+        "parameters.fibres",
+        {"contrast": 0.1, "width": 0, "pores": [0, 0]},
+        "parameters.fibres.width is 0; it must be more",
+    ),
     (
         "parameters.displacement",
         {"cosines": [[1, 2], [3]], "extent": [4, 5], "middle": [0, 0], "turn_deg": 0},
