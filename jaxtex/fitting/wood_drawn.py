@@ -25,6 +25,7 @@ _FOUND = 0.1  # share of the mask's variance left, below which no other start is
 _FOLLOWED = 0.82  # overlap of the mask with displaced rings, above which none is either,
 _STRAYED = 0.25  # if these are displaced by less than so many rings
 _STRAYING = 0.5  # of overlap, that a displacement by a ring costs
+_STANDING = 0.25  # and all of what is unexplained without it
 _LEANING = 0.02  # and a tilt by a right angle
 _APART = np.array([2.0, 2.0, 0.01, 0.01, 0.01])  # rings that differ by less are the same
 _MOVES = 4  # towards a given middle of the ellipses
@@ -54,10 +55,11 @@ class _Found(NamedTuple):
         return self.overlap > _FOLLOWED and self.strayed < _STRAYED
 
     def worse_than(self, other: "_Found") -> bool:
-        """Whether another explains the mask better as it stands; or else, once displaced."""
+        """Whether another explains the mask better as it stands; or else, once displaced and as it stands."""
         if self.is_exact() or other.is_exact():
             return other.rings.unexplained < self.rings.unexplained
-        return other.merit() > self.merit()
+        mine, others = (each.merit() - _STANDING * min(each.rings.unexplained, 1.0) for each in (self, other))
+        return others > mine
 
     def merit(self) -> float:
         """The overlap, less what displacement is worth, since displaced far enough any rings would do, and less what
