@@ -18,7 +18,7 @@ _NODES = 96  # along the picture's longer side, of the map that follows the grai
 _FOUR_CORNERS = 4
 _STIFF = 0.03  # how much the map resists bending, where the picture's own directions weigh 1
 _GLARE = 1.5  # times the typical gradient nearby: stronger edges weigh no more
-_FAR = 12.0  # pixels: over so many, every second one is enough
+_DENSE = 8.0  # pixels of reach, up to which every pixel along the grain is looked at; over more, as many
 _ASTRAY = np.radians(50)  # from the grain: what runs so is no grain, but a knot, a crack, a joint
 _ACROSS = np.radians(65)
 
@@ -67,7 +67,7 @@ def smooth_along(light: Array, directions: Directions, reach: float, *, at: Arra
     start = np.indices(light.shape).astype(float) if at is None else at
     total = ndimage.map_coordinates(light, start, order=1, mode="nearest")
     weights = np.ones_like(total)
-    pace = 2 if reach >= _FAR else 1
+    pace = max(1, int(reach / _DENSE))
     for sense in (1.0, -1.0):
         place, heading = start.copy(), sense * _nearest(along, start)
         for step in range(pace, int(2 * reach) + 1, pace):
