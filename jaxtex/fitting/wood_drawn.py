@@ -15,7 +15,7 @@ from jaxtex.fitting.wood_outcome import Seen, is_early
 from jaxtex.fitting.wood_phase import compare_rings, follow_rings
 from jaxtex.fitting.wood_solve import Rings, fit_mask
 from jaxtex.fitting.wood_start import list_starts
-from jaxtex.fitting.wood_turbulence import RIGID, fit_turbulence
+from jaxtex.fitting.wood_turbulence import fit_turbulence
 from jaxtex.photo.ring_lines import follow_lines
 
 Floats = NDArray[np.float64]
@@ -29,6 +29,7 @@ _STANDING = 0.25  # and all of what is unexplained without it
 _LEANING = 0.02  # and a tilt by a right angle
 _APART = np.array([2.0, 2.0, 0.01, 0.01, 0.01])  # rings that differ by less are the same
 _MOVES = 4  # towards a given middle of the ellipses
+_RIGID = 0.2  # pixels: rings displaced by less are not
 _HOPELESS = 0.62  # overlap that none of the first starts has where there are no rings
 _STEEPEST = 0.4  # pixels of displacement from one pixel to the next: displaced more steeply, any rings would do
 _NO_TILT = 1e-6  # radians: none that could be seen, but a number
@@ -88,8 +89,8 @@ def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) ->
     fitted = fit_turbulence(seen, found.clear, free[:GEOMETRY], held)
     if fitted is not None:
         turbulence = fitted.rms, fitted.frequency
-        if fitted.rms > RIGID:
-            free[:GEOMETRY], seen = fitted.free, fitted.rings
+        if fitted.rms > _RIGID:
+            free[:GEOMETRY] = fitted.free
             covariance = np.zeros((len(free),) * 2)
             covariance[:GEOMETRY, :GEOMETRY] = fitted.covariance
             if GEOMETRY not in held:

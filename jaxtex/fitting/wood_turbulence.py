@@ -20,9 +20,6 @@ from jaxtex.fitting.rings import GEOMETRY, Held, Plank, model_count, ring_count
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-RIGID = 0.2
-"""Pixels: rings displaced by less are not."""
-
 _CELLS = 26  # along the picture's longer side: as many points as a factorisation takes in a moment
 _FEWEST = 0.3  # of a cell's pixels must be clear
 _SPREAD = 0.3  # of the logarithm of frequencies, as in the model
@@ -34,15 +31,12 @@ _STEPS = 10
 
 class Turbulence(NamedTuple):
     """``free`` (5,) and its ``covariance`` (5, 5), turbulence accounted for; ``rms`` of the displacement within the
-    picture, its mean left aside, pixels; ``frequency``, cycles per pixel; ``rings`` (H, W), those seen, in the
-    likeliest count; ``likelihood``, its logarithm, up to a constant."""
+    picture, its mean left aside, pixels; ``frequency``, cycles per pixel."""
 
     free: Floats
     covariance: Floats
     rms: float
     frequency: float
-    rings: Floats
-    likelihood: float
 
 
 class _Cells(NamedTuple):
@@ -56,8 +50,8 @@ def fit_turbulence(rings: Floats, clear: Mask, free: Floats, held: Held) -> Turb
     """Fit rings and turbulence to the rings seen (H, W) where that is clear, from a vector (5,); None where too
     little is.
 
-    With a displacement of their own, one ring more or less around the pith explains the others as well: the likeliest
-    count is taken.
+    The count is taken as it is. One ring more or less around a pith that lies deeper than rings can be followed would
+    explain the others nearly as well, and which count is likelier tells little of which is right.
     """
     cells = _average_about(rings, clear, free)
     if len(cells.rings) < 4 * GEOMETRY:
@@ -65,20 +59,7 @@ def fit_turbulence(rings: Floats, clear: Mask, free: Floats, held: Held) -> Turb
     loose = [n for n in range(GEOMETRY) if n not in held]
     wavelengths = _WAVELENGTHS * max(rings.shape)
     correlations = [correlate_turbulence(cells.place, 1 / each) for each in wavelengths]
-    # One unit for all, so that their likelihoods can be compared.
-    unit = float(np.exp(free[4]))
-    best = _fit_as_counted(rings, clear, free, loose, correlations, unit)
-    if best.rms > RIGID:
-        others = [_fit_as_counted(rings + more, clear, best.free, loose, correlations, unit) for more in (-1.0, 1.0)]
-        best = max([best, *(each for each in others if np.isfinite(each.free).all())], key=lambda each: each.likelihood)
-    return best
-
-
-def _fit_as_counted(
-    rings: Floats, clear: Mask, free: Floats, loose: list[int], correlations: list[Floats], unit: float
-) -> Turbulence:
-    """The fit to rings (H, W) as they are counted, ``unit`` pixels to a ring."""
-    found = free[:GEOMETRY].copy()
+    found, unit = free[:GEOMETRY].copy(), float(np.exp(free[4]))
     for _ in range(_ROUNDS):
         cells = _average_about(rings, clear, found)
         off, rows = _linearise(found, cells, unit)
@@ -86,14 +67,12 @@ def _fit_as_counted(
         number = int(np.argmax([fit.likelihood for fit in fits]))
         found = _descend(found, cells, loose, fits[number], unit)
     off, rows = _linearise(found, cells, unit)
-    fit = _likelihood(correlations[number], off, rows[:, loose])
     covariance = np.zeros((GEOMETRY, GEOMETRY))
-    covariance[np.ix_(loose, loose)] = fit.covariance
+    covariance[np.ix_(loose, loose)] = _likelihood(correlations[number], off, rows[:, loose]).covariance
     # What the rings took up of the displacement counts as well, as much as their numbers are uncertain.
     centred = rows - rows.mean(0)
     taken = np.einsum("nk,kl,nl->n", centred, covariance, centred).mean()
-    rms, frequency = float(np.sqrt(off.var() + taken)), 1 / float(_WAVELENGTHS[number] * max(rings.shape))
-    return Turbulence(found, covariance, rms, frequency, rings, fit.likelihood)
+    return Turbulence(found, covariance, float(np.sqrt(off.var() + taken)), float(1 / wavelengths[number]))
 
 
 def _average_about(rings: Floats, clear: Mask, free: Floats) -> _Cells:

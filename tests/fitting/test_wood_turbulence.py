@@ -220,15 +220,3 @@ def test_the_bound_grows_with_the_displacement(rms: float, more: float) -> None:
     assert (np.diag(greater) > np.diag(less)).all()
     # By no more than the square of it, which is what there is where nothing else is uncertain.
     assert (np.diag(greater) < 1.001 * more**2 * np.diag(less)).all()
-
-
-@pytest.mark.parametrize("seed", [0, 1])
-def test_the_count_of_rings_does_not_depend_on_where_the_fit_starts(seed: int) -> None:
-    u, v = lay_plank(*SHAPE)
-    rings = (distance(TRUTH, u, v) + draw_turbulence(seed)) / np.exp(TRUTH[4])
-    counts = []
-    for wider in (0.98, 1.0, 1.02):
-        fit = fit_turbulence(rings, np.ones(SHAPE, bool), TRUTH + np.array([0, 0, 0, 0, np.log(wider)]), {})
-        assert fit is not None
-        counts.append(float(np.median(fit.rings - rings)))
-    assert len(set(counts)) == 1
