@@ -1,4 +1,4 @@
-"""Side by side for every photograph of wood: itself, its rings, the fitted model, the model displaced, a carved ball.
+"""Side by side for every photograph of wood: itself, its rings, the fitted model, a carved ball.
 
 python fitting/wood_gallery.py PHOTO ... -o gallery.png
 """
@@ -29,13 +29,10 @@ def draw_row(photo: NDArray[np.float32], fit: WoodFit) -> NDArray[np.float32]:
     height, width = fit.mask.shape
     shown = np.repeat(photo, 3, axis=2) if photo.shape[2] == 1 else photo
     wood = wood_from_parameters(wood_parameters(fit.wood), seed=0)
-    early, late = np.asarray(wood.early_rgb), np.asarray(wood.late_rgb)
     model = np.concatenate([band.base_colour for band in render_wood(wood, across=width, size=(width, height))])
-    limit = np.cos(np.pi * float(wood.early_fraction))
-    displaced = np.where((np.sin(2 * np.pi * fit.rings) > limit)[..., None], early, late)
     rings = draw_rings(photo, fit.rings, clear=fit.clear)
     ball = carve_ball(wood, (width, height))
-    pictures = [shown, rings, displaced, model, ball]
+    pictures = [shown, rings, model, ball]
     return np.concatenate([resize(each.astype(np.float32), (SIDE, SIDE)) for each in pictures], axis=1)
 
 

@@ -16,7 +16,6 @@ Floats = NDArray[np.float64]
 
 _PIXEL = np.sqrt(1 / 12)  # a pixel's own blur
 _FAR = 0.6  # share of the mask's variance left, above which a coarse fit has the wrong rings and is not carried on
-
 _DISPLACED = 0.2  # likewise, above which no rings explain the mask unless they are displaced
 _WEIGHT = 100.0  # of residuals: the damping of 1 that the solver begins with is a light one for these
 
