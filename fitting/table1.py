@@ -29,7 +29,7 @@ from jaxtex.cli.progress import progress
 from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
 from jaxtex.fitting.rings import GEOMETRY
 from jaxtex.fitting.wood import fit_wood
-from jaxtex.fitting.wood_turbulence import bound_errors
+from jaxtex.fitting.wood_displaced import bound_errors
 from jaxtex.models.wood import Wood
 
 SIZE = 512
@@ -206,14 +206,16 @@ def _meets(plank: Plank) -> bool:
     return max(abs(u), abs(v)) < SIZE / 2
 
 
-def find_floor(plank: Plank) -> dict[str, float]:
+def find_floor(plank: Plank, displacement: NDArray[np.float64]) -> dict[str, float]:
     """Standard deviations that no unbiased estimator passes under turbulence, in the paper's units, per cent.
 
     They suppose that the number of rings between the axis and the picture is known. Where the axis lies deeper than
-    rings can be followed to it, it is not, and a count that is one off is as likely as the right one.
+    rings can be followed to it, it is not, and a count that is one off is nearly as likely as the right one.
     """
-    free = np.array([plank.xc, plank.yc, np.radians(plank.tilt), np.radians(plank.rotation), np.log(plank.spacing)])
-    return in_paper_units(plank, bound_errors(free, (SIZE, SIZE), rms=plank.rms, frequency=1 / plank.wavelength))
+    angles, odds = np.radians([plank.tilt, plank.rotation]), plank.fraction / (1 - plank.fraction)
+    free = np.array([plank.xc, plank.yc, *angles, np.log(plank.spacing), np.log(odds)])
+    covariance = bound_errors(free, displacement, rms=plank.rms, frequency=1 / plank.wavelength)
+    return in_paper_units(plank, covariance[:GEOMETRY, :GEOMETRY])
 
 
 def in_paper_units(plank: Plank, covariance: NDArray[np.float64]) -> dict[str, float]:
@@ -243,7 +245,8 @@ def run_row(row: str, args: argparse.Namespace) -> list[dict[str, Any]]:
         base = draw_base(random, turbulent=args.turbulence)
         jobs += [(number, plank, random) for plank in vary(base, row, random)]
     for number, plank, random in progress(jobs, row, total=len(jobs)):
-        fit = fit_wood(draw_picture(plank, displace(plank, args.noise, random)))
+        displacement = displace(plank, args.noise, random)
+        fit = fit_wood(draw_picture(plank, displacement))
         told = in_paper_units(plank, fit.covariance[:GEOMETRY, :GEOMETRY]).get(row, np.nan)
         found.append(
             {
@@ -253,7 +256,7 @@ def run_row(row: str, args: argparse.Namespace) -> list[dict[str, Any]]:
                 "ok": fit.ok,
                 "error": find_errors(plank, fit.wood)[row],
                 "sigma": told,
-                "floor": find_floor(plank).get(row, np.nan) if plank.rms else np.nan,
+                "floor": find_floor(plank, displacement).get(row, np.nan) if plank.rms else np.nan,
             }
         )
     return found

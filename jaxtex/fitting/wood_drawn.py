@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from jaxtex.fitting.rings import GEOMETRY, Held, canonical_rings, hold
+from jaxtex.fitting.rings import GEOMETRY, Held, canonical_rings, hold, model_count
 from jaxtex.fitting.verdict import mean_iou
+from jaxtex.fitting.wood_displaced import fit_displaced
 from jaxtex.fitting.wood_outcome import Seen, is_early
 from jaxtex.fitting.wood_phase import compare_rings, follow_rings
 from jaxtex.fitting.wood_solve import Rings, fit_mask
@@ -33,7 +34,6 @@ _RIGID = 0.2  # pixels: rings displaced by less are not
 _HOPELESS = 0.62  # overlap that none of the first starts has where there are no rings
 _STEEPEST = 0.4  # pixels of displacement from one pixel to the next: displaced more steeply, any rings would do
 _NO_TILT = 1e-6  # radians: none that could be seen, but a number
-_SHARE_ERROR = 0.01  # of early wood, in one ring: what pixels leave open
 _CLEAR = 0.7  # merit, at least, of rings that have been found
 
 
@@ -83,25 +83,24 @@ def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) ->
         held = {**held, 2: _NO_TILT}
         followed = follow_rings(early - early.mean(), hold(found.rings.free[:GEOMETRY], held), held)
         found = _try(early, np.append(followed, found.rings.free[GEOMETRY]), held) or found
-    free, covariance, turbulence = found.rings.free.copy(), found.rings.covariance.copy(), (0.0, 0.0)
+    free, covariance, turbulence, clear = found.rings.free, found.rings.covariance, (0.0, 0.0), found.clear
     # The blur that rings were looked at through took from their displacement; what is left is followed.
     seen = follow_lines(early - early.mean(), found.seen, float(np.exp(free[4])))
-    fitted = fit_turbulence(seen, found.clear, free[:GEOMETRY], held)
+    fitted = fit_turbulence(seen, clear, free[:GEOMETRY], held)
     if fitted is not None:
         turbulence = fitted.rms, fitted.frequency
         if fitted.rms > _RIGID:
-            free[:GEOMETRY] = fitted.free
-            covariance = np.zeros((len(free),) * 2)
-            covariance[:GEOMETRY, :GEOMETRY] = fitted.covariance
-            if GEOMETRY not in held:
-                free[GEOMETRY], covariance[GEOMETRY, GEOMETRY] = _read_share(early, seen, found.clear)
+            displaced = fit_displaced(early, seen, clear, fitted, float(free[GEOMETRY]), held)
+            free, covariance, clear = displaced.free, displaced.covariance, displaced.believed
+            turbulence = displaced.rms, fitted.frequency
+            seen = model_count(free, early.shape) + displaced.displacement / np.exp(free[4])
     written, signs = canonical_rings(free)
     return Seen(
         early=early > 0.5,
         free=written,
         covariance=covariance * np.outer(signs, signs),
         rings=seen,
-        clear=found.clear,
+        clear=clear,
         turbulence=turbulence,
     )
 
@@ -168,12 +167,3 @@ def _where_clear(strength: Floats, count: Floats, spacing: float) -> Mask:
     # Where rings pass slowly, the blur that parts them from their mirror image is too small.
     slope = np.hypot(*np.gradient(count)) * spacing
     return clear & (count > 2.0) & (slope > 0.7) & (strength > 0.3 * strength.max())
-
-
-def _read_share(early: Floats, seen: Floats, clear: Mask) -> tuple[float, float]:
-    """Logit of the share of early wood, and its variance: as much of each ring (H, W) as the mask has of it."""
-    aside = np.abs((seen - 0.25 + 0.5) % 1 - 0.5)[clear] * 2
-    share = float(np.clip(early[clear].mean(), 1e-3, 1 - 1e-3))
-    fraction = float(np.clip(np.quantile(aside, share), 1e-3, 1 - 1e-3))
-    rings = max(float(np.ptp(seen[clear])), 1.0)
-    return float(np.log(fraction / (1 - fraction))), _SHARE_ERROR**2 / rings / (fraction * (1 - fraction)) ** 2

@@ -15,8 +15,8 @@ from jaxtex.fitting.rings import NAMES, Held, Plank, early_wood, lay_plank, loos
 Floats = NDArray[np.float64]
 
 _PIXEL = np.sqrt(1 / 12)  # a pixel's own blur
-_FAR = 0.6  # share of the mask's variance left, above which a coarse fit has the wrong rings and is not carried on
-_DISPLACED = 0.2  # likewise, above which no rings explain the mask unless they are displaced
+# Shares of the mask's variance left after a blurred fit, above which no rings explain it unless they are displaced.
+_FAR, _NEAR = 0.2, 0.1
 _WEIGHT = 100.0  # of residuals: the damping of 1 that the solver begins with is a light one for these
 
 _SOLVER: optx.LevenbergMarquardt = optx.LevenbergMarquardt(rtol=1e-4, atol=1e-4)
@@ -45,7 +45,7 @@ def fit_mask(early: Floats, free: Floats, held: Held) -> Rings:
     """Carry a vector (6,) on to the mask of early wood (H, W)."""
     spacing = float(np.exp(free[4]))
     rings = Rings(free, np.zeros((len(NAMES),) * 2), 1.0)
-    for blur, step, most in ((max(0.12 * spacing, 1.5), 4, _FAR), (1.5, 2, _DISPLACED), (0.0, 1, 1.0)):
+    for blur, step, most in ((max(0.12 * spacing, 1.5), 4, _FAR), (1.5, 2, _NEAR), (0.0, 1, 1.0)):
         rings = _solve_level(early, rings.free, held, blur=blur, step=step)
         if not np.isfinite(rings.free).all() or rings.unexplained > most:
             break

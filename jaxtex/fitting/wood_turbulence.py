@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from numpy.typing import NDArray
-from scipy import linalg
+from scipy import interpolate, linalg
 
 from jaxtex.fitting.rings import GEOMETRY, Held, Plank, model_count, ring_count
 
@@ -25,6 +25,7 @@ _FEWEST = 0.3  # of a cell's pixels must be clear
 _SPREAD = 0.3  # of the logarithm of frequencies, as in the model
 _WAVELENGTHS = np.geomspace(0.12, 1.2, 13)  # of the picture's longer side
 _NOISE = 0.03  # pixels: of a cell's mean, where nothing is seen to be worse
+_DISTANCES = 2048  # at which correlation is computed
 _ROUNDS = 3  # of choosing the frequency
 _STEPS = 10
 
@@ -46,9 +47,11 @@ class _Cells(NamedTuple):
     rings: Floats
 
 
-def fit_turbulence(rings: Floats, clear: Mask, free: Floats, held: Held) -> Turbulence | None:
+def fit_turbulence(
+    rings: Floats, clear: Mask, free: Floats, held: Held, frequency: float | None = None
+) -> Turbulence | None:
     """Fit rings and turbulence to the rings seen (H, W) where that is clear, from a vector (5,); None where too
-    little is.
+    little is. The turbulence's ``frequency`` may be known.
 
     The count is taken as it is. One ring more or less around a pith that lies deeper than rings can be followed would
     explain the others nearly as well, and which count is likelier tells little of which is right.
@@ -57,7 +60,7 @@ def fit_turbulence(rings: Floats, clear: Mask, free: Floats, held: Held) -> Turb
     if len(cells.rings) < 4 * GEOMETRY:
         return None
     loose = [n for n in range(GEOMETRY) if n not in held]
-    wavelengths = _WAVELENGTHS * max(rings.shape)
+    wavelengths = _WAVELENGTHS * max(rings.shape) if frequency is None else np.array([1 / frequency])
     correlations = [correlate_turbulence(cells.place, 1 / each) for each in wavelengths]
     found, unit = free[:GEOMETRY].copy(), float(np.exp(free[4]))
     for _ in range(_ROUNDS):
@@ -81,16 +84,13 @@ def _average_about(rings: Floats, clear: Mask, free: Floats) -> _Cells:
     return cells._replace(rings=cells.rings + _count(free, cells.place))
 
 
-def bound_errors(free: Floats, shape: tuple[int, int], *, rms: float, frequency: float) -> Floats:
-    """The covariance (5, 5) that no unbiased estimate of a vector (5,) passes in a picture (H, W) whose rings are
-    displaced by turbulence (Cramér & Rao)."""
-    cells = _average(np.zeros(shape), np.ones(shape, bool))
-    cells = cells._replace(rings=_count(free, cells.place))
-    _, rows = _linearise(free, cells, float(np.exp(free[4])))
-    noise = (_NOISE / rms) ** 2 + 1e-4
-    factor = linalg.cholesky(correlate_turbulence(cells.place, frequency) + noise * np.eye(len(rows)), lower=True)
-    white = _whiten(factor, rows) / rms
-    return np.asarray(np.linalg.inv(white.T @ white), float)
+def predict_turbulence(rings: Floats, clear: Mask, fitted: Turbulence, place: Floats) -> Floats:
+    """The displacement (N,), pixels, at places (N, 2) of a picture, as fitted to the rings seen (H, W)."""
+    cells = _average_about(rings, clear, fitted.free)
+    off, _ = _linearise(fitted.free, cells, float(np.exp(fitted.free[4])))
+    every = correlate_turbulence(np.concatenate([place, cells.place]), fitted.frequency)
+    among = every[len(place) :, len(place) :] + ((_NOISE / fitted.rms) ** 2 + 1e-4) * np.eye(len(off))
+    return every[: len(place), len(place) :] @ linalg.solve(among, off, assume_a="pos")
 
 
 def correlate_turbulence(place: Floats, frequency: float) -> Floats:
@@ -100,10 +100,11 @@ def correlate_turbulence(place: Floats, frequency: float) -> Floats:
     turbulence on end grain. Along the trunk that is slower, by how much nobody knows of the wood in a picture: the
     correlation supposes no more than the distance.
     """
-    nodes, weights = np.polynomial.hermite_e.hermegauss(9)
     distance = np.hypot(*(place[:, None] - place[None]).transpose(2, 0, 1))
-    waves = [w * np.sinc(2 * frequency * np.exp(_SPREAD * x) * distance) for x, w in zip(nodes, weights, strict=True)]
-    return np.sum(waves, axis=0) / weights.sum()
+    nodes, weights = np.polynomial.hermite_e.hermegauss(9)
+    far = np.linspace(0, float(distance.max()), _DISTANCES)
+    waves = [w * np.sinc(2 * frequency * np.exp(_SPREAD * x) * far) for x, w in zip(nodes, weights, strict=True)]
+    return interpolate.CubicSpline(far, np.sum(waves, axis=0) / weights.sum())(distance)
 
 
 class _Fit(NamedTuple):

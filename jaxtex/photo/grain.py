@@ -46,9 +46,22 @@ def flatten_light(pixels: NDArray[np.floating]) -> Array:
 
 
 def find_early_wood(pixels: NDArray[np.floating]) -> NDArray[np.bool_]:
-    """Mask (H, W) of early wood, the lighter, in a linear picture (H, W, 1 or 3), its light evened out."""
-    even = flatten_light(pixels)
-    return even > threshold_otsu(even)
+    """Mask (H, W) of early wood, the lighter, in a linear picture (H, W, 1 or 3).
+
+    Its light is evened out, unless the picture falls into two kinds more clearly as it is.
+    """
+    masks = [_part_in_two(light) for light in (lightness(pixels).astype(float), flatten_light(pixels))]
+    return max(masks, key=lambda each: each[1])[0]
+
+
+def _part_in_two(light: Array) -> tuple[NDArray[np.bool_], float]:
+    """Which pixels (H, W) are of the lighter kind, and how much of the variance it explains that there are two."""
+    lighter = light > threshold_otsu(light)
+    share = float(lighter.mean())
+    if share in (0.0, 1.0):
+        return lighter, 0.0
+    between = share * (1 - share) * (light[lighter].mean() - light[~lighter].mean()) ** 2
+    return lighter, float(between / light.var())
 
 
 def find_period(rings: Array) -> float:

@@ -2,8 +2,6 @@
 
 from typing import NamedTuple
 
-import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -11,16 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
+from turbulent_plank import FREQUENCY, SHAPE, TRUTH, distance, draw_turbulence, turbulence_at
 
 from jaxtex.fitting.rings import lay_plank
-from jaxtex.fitting.wood_turbulence import Turbulence, bound_errors, correlate_turbulence, fit_turbulence
+from jaxtex.fitting.wood_turbulence import Turbulence, correlate_turbulence, fit_turbulence
 from jaxtex.models.wood import make_wood
 
 Floats = NDArray[np.float64]
 
-TRUTH = np.array([35.0, -22.0, np.radians(8.0), np.radians(40.0), np.log(14.0)])
-SHAPE = 120, 240
-RMS, FREQUENCY = 2.0, 1 / 90
 DRAWN = 20
 STRAY = 0.3  # pixels: of each pixel's count, so that a cell of a hundred is known to 0.03
 
@@ -31,28 +27,6 @@ class Found(NamedTuple):
     fit: Turbulence
     plain: Floats
     field: Floats
-
-
-def distance(free: Floats, u: Floats, v: Floats) -> Floats:
-    """Of points of the plank from the axis, as :mod:`jaxtex.models.wood` describes it."""
-    c, s = np.cos(free[3]), np.sin(free[3])
-    aside, depth = c * u + s * v - free[0], (c * v - s * u) * np.sin(free[2]) - free[1]
-    return np.sqrt(aside**2 + depth**2)
-
-
-def draw_turbulence(seed: int) -> Floats:
-    """The displacement (H, W) of a model's turbulence across the trunk, where it is alike all around."""
-    wood = make_wood(
-        ring_spacing=np.exp(TRUTH[4]), center=TRUTH[:2], tilt=TRUTH[2], rotation=TRUTH[3],
-        turbulence_rms=RMS, turbulence_frequency=FREQUENCY, seed=seed,
-    )  # fmt: skip
-    points = np.stack(lay_plank(*SHAPE), axis=-1).reshape(-1, 2)
-    return np.asarray(turbulence_at(wood, jnp.asarray(points, jnp.float32)), float).reshape(SHAPE)
-
-
-@eqx.filter_jit
-def turbulence_at(wood, points):
-    return jax.vmap(lambda point: wood.turbulence(jnp.append(point, 0.0)))(points)
 
 
 def fit_plainly(rings: Floats) -> Floats:
@@ -136,19 +110,8 @@ def test_the_covariance_is_as_large_as_the_errors(found: list[Found]) -> None:
 @pytest.mark.slow
 def test_the_rings_are_not_biased(found: list[Found]) -> None:
     errors = np.array([each.fit.free - TRUTH for each in found])
-    bound = np.sqrt(np.diag(bound_errors(TRUTH, SHAPE, rms=RMS, frequency=FREQUENCY)))
-    # The mean of twenty strays by 0.22 standard deviations, where these reach the bound.
-    assert (np.abs(errors.mean(0)) < 0.7 * bound).all(), errors.mean(0) / bound
-
-
-@pytest.mark.slow
-def test_no_estimate_passes_the_bound(found: list[Found]) -> None:
-    errors = np.array([each.fit.free - TRUTH for each in found])
-    bound = np.sqrt(np.diag(bound_errors(TRUTH, SHAPE, rms=RMS, frequency=FREQUENCY)))
-    ratio = np.sqrt((errors**2).mean(0)) / bound
-    assert (ratio > 0.6).all(), ratio
-    # And ours comes near it.
-    assert (ratio < 1.6).all(), ratio
+    # The mean of twenty strays by 0.22 standard deviations.
+    assert (np.abs(errors.mean(0)) < 0.7 * errors.std(0)).all(), errors.mean(0) / errors.std(0)
 
 
 @pytest.mark.slow
@@ -191,32 +154,3 @@ def test_too_little_that_is_clear_tells_nothing() -> None:
     clear = np.zeros(SHAPE, bool)
     clear[:20, :20] = True
     assert fit_turbulence(np.ones(SHAPE), clear, TRUTH, {}) is None
-
-
-@pytest.mark.parametrize("rms", [0.5, 3.0])
-def test_the_bound_is_that_of_linear_algebra(rms: float) -> None:
-    """In a picture so small that its pixels are the cells: J' C^-1 J, inverted."""
-    shape, frequency = (12, 15), 1 / 20
-    free = np.array([5.0, -9.0, 0.6, 0.5, np.log(4.0)])
-    u, v = (each.ravel() for each in lay_plank(*shape))
-    place = np.stack([u, v], axis=1)
-    step = 1e-30
-    # The derivatives of the distance, by complex steps; a longer spacing moves a ring in proportion to its distance.
-    rows = np.stack(
-        [-distance(free + 1j * step * np.eye(5)[n], u, v).imag / step for n in range(4)] + [distance(free, u, v)],
-        axis=1,
-    )
-    # A cell is known to 0.03 pixels; a hundredth of the displacement is each cell's own.
-    own = 0.03**2 + 1e-4 * rms**2
-    covariance = rms**2 * correlate_turbulence(place, frequency) + own * np.eye(len(u))
-    expected = np.linalg.inv(rows.T @ np.linalg.inv(covariance) @ rows)
-    np.testing.assert_allclose(bound_errors(free, shape, rms=rms, frequency=frequency), expected, rtol=1e-4)
-
-
-@given(rms=st.floats(0.2, 4.0), more=st.floats(1.05, 3.0))
-def test_the_bound_grows_with_the_displacement(rms: float, more: float) -> None:
-    less, greater = (bound_errors(TRUTH, (60, 80), rms=each, frequency=0.02) for each in (rms, more * rms))
-    assert (np.diag(less) > 0).all()
-    assert (np.diag(greater) > np.diag(less)).all()
-    # By no more than the square of it, which is what there is where nothing else is uncertain.
-    assert (np.diag(greater) < 1.001 * more**2 * np.diag(less)).all()
