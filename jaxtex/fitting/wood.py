@@ -45,6 +45,7 @@ Mask = NDArray[np.bool_]
 
 WORKING_SIZE = 512
 _FEWEST = 0.02  # share of either kind of wood, at least
+_FARTHEST = 0.08  # of the picture's longer side: displacement that makes a figure of a trunk's rings, at most
 _FLAT = 0.5  # lightness, of 100: less contrast is none
 _DRAWN = 0.97  # overlap of a mask with itself smoothed along the grain: photographs have pores and speckles
 _GRAINY = 0.6  # how well edges follow the grain, at least
@@ -141,6 +142,10 @@ def fit_wood(
         grain = read_grain(light, across=held.get(3), middle=pith)
         reason = _judge(grain)
         seen = _read_photographed(grain, held)
+        if grain.folded and seen.turbulence[0] > _FARTHEST * max(light.shape):
+            # No trunk has rings that turn back like these.
+            grain = read_grain(light, across=held.get(3), figured=False)
+            seen = _read_photographed(grain, held)
         early = early if mask is not None else _enlarge(grain.early, picture.shape[:2])
     clock.note("rings")
     tell(2, 3)

@@ -26,6 +26,7 @@ _OUTLIER = 1.0  # rings
 _ROTATION = np.radians(2.0)  # how far a board's rings may be turned against its fibres
 _TILTS = np.arcsin([0.02, 0.1, 0.4])
 _AXES = (-1.5, -0.6, 0.6, 1.5)  # picture widths from the middle
+_MIDDLES = (-0.3, -0.1, 0.1, 0.3)  # likewise, where rings turn back around the axis
 _END_GRAIN = np.pi / 2
 _BENT = 0.04  # by which bent rings must agree better with the grain's directions
 _END_GRAIN_TILT = np.radians(15)  # how far from upright a cut without fibres may be
@@ -85,7 +86,7 @@ def fit_count(grain: Grain, held: Held) -> CountedRings:
     agreement = [
         compare_directions(grain.directions, model_count(end.vector, grain.rings.shape))[0] for end in (straight, bent)
     ]
-    clearly = bent.cost * worth < straight.cost and agreement[1] > agreement[0] + _BENT
+    clearly = bent.cost * worth < straight.cost and (grain.folded or agreement[1] > agreement[0] + _BENT)
     return _settle(grain, bent if clearly else straight, independent, held)
 
 
@@ -119,9 +120,12 @@ def _list_bent(grain: Grain) -> list[_Start]:
             _Start(np.array([*(axis * width * toward), _END_GRAIN, 0.0, spacing]), end_grain, -np.sign(axis))
             for axis in _AXES
         ]
+    sides = [(axis, -np.sign(axis)) for axis in _AXES]
+    if grain.folded:
+        sides += [(axis, sense) for axis in _MIDDLES for sense in (-1.0, 1.0)]
     return [
-        _Start(np.array([axis * width, 0.0, tilt, turn, spacing]), np.full(GEOMETRY, True), -np.sign(axis))
-        for axis in _AXES
+        _Start(np.array([axis * width, 0.0, tilt, turn, spacing]), np.full(GEOMETRY, True), sense)
+        for axis, sense in sides
         for tilt in _TILTS
     ]
 

@@ -23,6 +23,7 @@ from jaxtex.photo.directions import (
     smooth_along,
     weigh_directions,
 )
+from jaxtex.photo.figure import follow_figure
 from jaxtex.photo.ring_lines import Ray, count_lines, even_out_rings, follow_lines, measure_spacing
 
 Floats = NDArray[np.float64]
@@ -34,6 +35,7 @@ _FIBROUS = 0.3  # how clearly fibres run one way on all boards that are not end 
 _ROUND = 0.25  # by which rings and rays around a pith must agree better than straight ones
 _SHARP = 1.0  # pixels: at this scale rays are seen as well as rings
 _RAYS = 31
+_FOLDED = 0.05  # of the picture, at least, beyond where rings turn back
 _LEANS = (0.02, 0.04, 0.07, 0.1, 0.15, 0.22, 0.32, 0.46, 0.68, 1.0)  # sines of the tilt of known ellipses
 _PITH_REACH = (0.32, 0.64)  # of the picture's shorter side: how far around it rings are looked at
 
@@ -52,7 +54,7 @@ class Grain(NamedTuple):
     ``early`` (H, W): the mask of early wood; ``directions``: those of its rings; ``rings`` (H, W): which ring each
     place belongs to, counted from anywhere and either way; ``followed`` (H, W): likewise, place by place; ``outwards``:
     whether late wood ends sharply towards higher counts; ``clear`` (H, W): where nothing runs astray, such as knots.
-    ``spacing``, pixels. ``across``: the direction across the fibres, radians, or None in end grain. ``pith``: where in
+    ``folded``: whether rings turn back in the picture, and are counted up and down again. ``spacing``, pixels. ``across``: the direction across the fibres, radians, or None in end grain. ``pith``: where in
     the picture rings close around it, if they do. ``agreement`` and ``crossing``: as `compare_directions` has them.
     """
 
@@ -62,6 +64,7 @@ class Grain(NamedTuple):
     followed: Floats
     outwards: bool
     clear: Mask
+    folded: bool
     spacing: float
     across: float | None
     pith: Pith | None
@@ -69,10 +72,17 @@ class Grain(NamedTuple):
     crossing: float
 
 
-def read_grain(light: Floats, *, across: float | None = None, middle: tuple[float, float] | None = None) -> Grain:
+def read_grain(
+    light: Floats,
+    *,
+    across: float | None = None,
+    middle: tuple[float, float] | None = None,
+    figured: bool = True,
+) -> Grain:
     """Read the rings of a picture's lightness (H, W), evened out.
 
-    The direction ``across`` the fibres and the ``middle`` (u, v) of the rings' ellipses may be known.
+    The direction ``across`` the fibres and the ``middle`` (u, v) of the rings' ellipses may be known. Unless
+    ``figured``, rings are supposed to run through.
     """
     if across is None:
         turn, fibrous = main_direction(measure_directions(light, _FIBRES))
@@ -86,6 +96,11 @@ def read_grain(light: Floats, *, across: float | None = None, middle: tuple[floa
     levels = follow_grain(directions, first)
     # Knots and cracks bend the map: once it is known what runs astray, without them.
     levels = follow_grain(directions, first, clear=compare_directions(directions, levels)[2])
+    folded = False
+    if figured and pith is None and across is not None:
+        figure = follow_figure(light, across)
+        folded = _folded(figure, across) > _FOLDED
+        levels = figure if folded else levels
     agreement, crossing = _judge(light, first, fibrous=across is not None)
     smooth = smooth_along(light, known or directions, float(np.clip(1.5 * spacing, 8, 40)))
     even = np.tanh(even_out_rings(smooth, spacing))
@@ -104,12 +119,20 @@ def read_grain(light: Floats, *, across: float | None = None, middle: tuple[floa
         followed=followed,
         outwards=outwards >= inwards,
         clear=clear,
+        folded=folded,
         spacing=spacing,
         across=across,
         pith=pith,
         agreement=agreement,
         crossing=crossing,
     )
+
+
+def _folded(levels: Floats, across: float) -> float:
+    """How much of a map (H, W) climbs the other way across the grain, 0 to 0.5."""
+    down, right = np.gradient(levels)
+    outwards = float((right * np.cos(across) + down * np.sin(across) > 0).mean())
+    return min(outwards, 1 - outwards)
 
 
 def _judge(light: Floats, first: Floats, *, fibrous: bool) -> tuple[float, float]:

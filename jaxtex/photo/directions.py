@@ -107,7 +107,7 @@ def follow_grain(directions: Directions, rings: Array, *, clear: NDArray[np.bool
     weight = weigh_directions(directions) if clear is None else weigh_directions(directions) * clear
     weight = weight[at].ravel()
     down, right = (np.asarray(slope)[at].ravel() for slope in np.gradient(rings))
-    d_right, d_down = _differences(shape, spacing)
+    d_right, d_down = difference_matrices(shape, spacing)
     slopes = sparse.diags_array(weight * x) @ d_right + sparse.diags_array(weight * y) @ d_down
     stiff = _STIFF * (d_right.T @ d_right + d_down.T @ d_down) + 1e-8 * sparse.eye_array(shape[0] * shape[1])
     off = spsolve((slopes.T @ slopes + stiff).tocsc(), -slopes.T @ (weight * (x * right + y * down))).reshape(shape)
@@ -135,7 +135,7 @@ def weigh_directions(directions: Directions) -> Array:
     return np.abs(directions.across) / directions.energy * strength
 
 
-def _differences(shape: tuple[int, int], spacing: int) -> tuple[sparse.csr_array, sparse.csr_array]:
+def difference_matrices(shape: tuple[int, int], spacing: int) -> tuple[sparse.csr_array, sparse.csr_array]:
     """Slopes to the right and down in the middle of each cell of a grid of nodes, as matrices (cells, nodes)."""
     node = np.arange(shape[0] * shape[1]).reshape(shape)
     corners = np.stack([node[:-1, :-1], node[:-1, 1:], node[1:, :-1], node[1:, 1:]], axis=-1).reshape(-1, _FOUR_CORNERS)

@@ -49,11 +49,14 @@ def light_up(tone: Array) -> Array:
     return np.clip(tone * (0.7 + 0.5 * right[None] + 0.3 * down[:, None]), 0, 1)[..., None] * BROWN
 
 
-def draw_board(degrees: float, *, spacing: float = 16.0, seed: int = 0) -> tuple[Array, Array]:
-    """A straight-grained board, its axis turned by so much from upright, and its rings (H, W)."""
+def draw_board(degrees: float, *, spacing: float = 16.0, seed: int = 0, closed: bool = False) -> tuple[Array, Array]:
+    """A board, straight-grained or with rings that are ``closed``, its axis turned by so much from upright, and its
+    rings (H, W)."""
     rng, turn = np.random.default_rng(seed), np.radians(degrees)
     across, along = lay(turn)
     level = across + 5 * np.cos(along / 40) + 3 * np.cos(along / 28 + across / 60)
+    if closed:
+        level = np.hypot(across + 20 + 4 * np.cos(along / 40), 0.25 * (along - 10)) + 2 * np.cos(across / 25)
     tone, ring = shade_rings(level, spacing * rng.uniform(0.6, 1.4, 99), rng)
     fibres = draw_streaks(rng.normal(size=SHAPE), turn, 10)
     pores = draw_streaks((rng.random(SHAPE) < 0.004).astype(float), turn, 3)
@@ -126,6 +129,27 @@ def test_its_rings_are_those_drawn(seed: int) -> None:
     assert light > 1.1 * dark
     assert fit.iou[1] > fit.iou[0]
     assert fit.clear.mean() > 0.9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degrees", [90.0, 10.0])
+def test_closed_rings_are_followed_around(degrees: float) -> None:
+    photo, ring = draw_board(degrees, closed=True)
+    fit = fit_wood(photo)
+    assert fit.ok, fit.reason
+    assert turn_apart(np.degrees(float(fit.wood.rotation)), degrees) < 5.0
+    seen, drawn = fit.rings[::4, ::4].ravel(), ring[::4, ::4].ravel()
+    assert abs(np.corrcoef(seen, drawn)[0, 1]) > 0.95
+    # The model's own rings close as well, there where they do.
+    middle = np.unravel_index(ring.argmin(), ring.shape)
+    ends = [
+        (middle[0] + s * 70 * np.cos(np.radians(degrees)), middle[1] - s * 70 * np.sin(np.radians(degrees)))
+        for s in (-1, 1)
+    ]
+    inside = fit.rings[middle]
+    beyond = [fit.rings[round(y), round(x)] for y, x in ends]
+    assert min(abs(each - inside) for each in beyond) > 0.5
+    assert np.sign(beyond[0] - inside) == np.sign(beyond[1] - inside)
 
 
 @pytest.mark.slow
