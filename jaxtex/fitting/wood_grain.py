@@ -54,8 +54,9 @@ class Grain(NamedTuple):
     ``early`` (H, W): the mask of early wood; ``directions``: those of its rings; ``rings`` (H, W): which ring each
     place belongs to, counted from anywhere and either way; ``followed`` (H, W): likewise, place by place; ``outwards``:
     whether late wood ends sharply towards higher counts; ``clear`` (H, W): where nothing runs astray, such as knots.
-    ``folded``: whether rings turn back in the picture, and are counted up and down again. ``spacing``, pixels. ``across``: the direction across the fibres, radians, or None in end grain. ``pith``: where in
-    the picture rings close around it, if they do. ``agreement`` and ``crossing``: as `compare_directions` has them.
+    ``folded``: whether rings turn back in the picture, so that they are counted up and down again. ``spacing``,
+    pixels. ``across``: the direction across the fibres, radians, or None in end grain. ``pith``: where in the picture
+    rings close around it, if they do. ``agreement`` and ``crossing``: as `compare_directions` has them.
     """
 
     early: Mask
