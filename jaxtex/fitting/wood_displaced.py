@@ -35,7 +35,7 @@ _JITTER = 1e-4  # of turbulence's variance, from node to node
 _PIXEL = np.sqrt(1 / 12)  # a pixel's own blur
 _SHARPEST = 1e-3  # rings: an edge's width, at least
 _AGREES = 0.35  # share of the mask's variance left around a place where rings are believed, at most
-_CLOSE = 20.0  # of the cost: counts that differ by less are told apart by every pixel
+_CLOSE = 60.0  # of the cost: counts that differ by less are told apart by every pixel
 _COUNTED = 1.0  # rings: nearer to the pith there is no room for another
 
 
@@ -84,13 +84,16 @@ class _Problem(NamedTuple):
 
 class _State(NamedTuple):
     """Where a level ended: ``vector`` (6 + M N,), rings and nodes, and its ``covariance``; ``believed`` (H, W), where
-    they agree with the mask; what is ``left`` of that, squared and summed; the ``variance`` to be expected of it."""
+    they agree with the mask; what is ``left`` of that, squared and summed; the ``variance`` to be expected of it; how
+    many of the nodes' combinations it has ``told``; and the ``curvature``, the logarithm of its determinant."""
 
     vector: Floats
     covariance: Floats
     believed: Mask
     left: float
     variance: float
+    told: float
+    curvature: float
 
 
 def fit_displaced(early: Floats, rings: Floats, clear: Mask, fitted: Turbulence, logit: float, held: Held) -> Displaced:
@@ -160,10 +163,17 @@ def _begin(rings: Floats, clear: Mask, fitted: Turbulence, logit: float, place: 
 
 
 def _weigh(states: list[_State], precision: Floats) -> Floats:
-    """Of each: what is left of the mask, and how rough the displacement is, both in standard deviations, squared."""
+    """Minus twice the logarithm of how likely each is, give or take the same for all (Laplace's approximation).
+
+    That is what is left of the mask, how rough the displacement is, and how narrowly all else is tied to that: where
+    rings are thought to be wider, the same waviness takes more pixels of displacement, but also more of them would do.
+    """
     nodes = np.array([each.vector[len(NAMES) :] for each in states])
+    rough = np.einsum("sn,nm,sm->s", nodes, precision, nodes)
+    # All by the first one's noise, whatever they themselves thought of it.
+    noise = np.array([each.variance for each in states]) / states[0].variance
     left = np.array([each.left for each in states]) / states[0].variance
-    return left + np.einsum("sn,nm,sm->s", nodes, precision, nodes)
+    return left + rough + [each.curvature + each.told * np.log(n) for each, n in zip(states, noise, strict=True)]
 
 
 def _mean_variance(covariance: Floats) -> float:
@@ -218,9 +228,11 @@ def _solve(level: _Level, vector: Floats, precision: Floats, held: Held) -> _Sta
             break
     covariance = np.zeros_like(curvature)
     covariance[np.ix_(moving, moving)] = linalg.cho_solve(factor, np.eye(len(moving)))
+    told = len(precision) - float((precision * covariance[len(NAMES) :, len(NAMES) :]).sum())
     covariance[: len(NAMES), : len(NAMES)] = turn @ covariance[: len(NAMES), : len(NAMES)] @ turn.T
     everywhere = np.kron(believed, np.ones((level.every,) * 2))[: level.shape[0], : level.shape[1]]
-    return _State(vector, covariance, everywhere > 0, float((off**2).sum()), variance)
+    tied = 2 * float(np.log(np.diag(factor[0])).sum())
+    return _State(vector, covariance, everywhere > 0, float((off**2).sum()), variance, told, tied)
 
 
 def _reach(shape: tuple[int, ...]) -> Floats:
