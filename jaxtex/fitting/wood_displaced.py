@@ -25,7 +25,7 @@ Mask = NDArray[np.bool_]
 
 # Blur of the mask, at least so many spacings and so many pixels, and every so many pixels compared: coarse first.
 _LEVELS = ((0.12, 1.5, 2), (0.0, 0.7, 1))
-_ROUNDS = 8  # at each
+_ROUNDS = 16  # at each
 _SHARES = (1.0, 0.5, 0.25, 0.1, 0.02)  # of a step, that are tried
 _END_GRAIN = 0.87  # sine of the tilt, at least
 _LITTLE = 0.1  # of the cost: a step that gains less is the last
@@ -42,7 +42,8 @@ _COUNTED = 1.0  # rings: nearer to the pith there is no room for another
 class Displaced(NamedTuple):
     """``free`` (6,) and its ``covariance`` (6, 6), displacement accounted for; ``displacement`` (H, W), pixels;
     ``rms``, of that and of what may be displacement but went to the rings; ``believed`` (H, W), where the rings agree
-    with the mask."""
+    with the mask. The turbulence's strength and frequency are taken to be known, which few waves in a picture do not
+    tell well: the covariance is the smaller for it."""
 
     free: Floats
     covariance: Floats
@@ -83,9 +84,9 @@ class _Problem(NamedTuple):
 
 
 class _State(NamedTuple):
-    """Where a level ended: ``vector`` (6 + M N,), rings and nodes, and its ``covariance``; ``believed`` (H, W), where
-    they agree with the mask; what is ``left`` of that, squared and summed; the ``variance`` to be expected of it; how
-    many of the nodes' combinations it has ``told``; and the ``curvature``, the logarithm of its determinant."""
+    """Where a level ended: ``vector`` (6 + M N,), rings and nodes, and its ``covariance``; ``believed``, where at its
+    pixels they agree with the mask; what is ``left`` of that, squared and summed; the ``variance`` to be expected of
+    it; how many of the nodes' combinations it has ``told``; ``curvature``, the logarithm of its determinant."""
 
     vector: Floats
     covariance: Floats
@@ -117,7 +118,8 @@ def fit_displaced(early: Floats, rings: Floats, clear: Mask, fitted: Turbulence,
     costs = _weigh(states, problem.precision)
     state = states[int(np.argmin(costs))]
     likely = np.exp((costs.min() - costs) / 2)
-    apart = np.array([each.vector[: len(NAMES)] - state.vector[: len(NAMES)] for each in states])
+    apart = np.array([_turn_like(state.vector[: len(NAMES)], each.vector[: len(NAMES)]) for each in states])
+    apart = apart - state.vector[: len(NAMES)]
     free, nodes = np.split(state.vector, [len(NAMES)])
     displacement = problem.splines.spread(nodes)
     return Displaced(
@@ -131,8 +133,8 @@ def fit_displaced(early: Floats, rings: Floats, clear: Mask, fitted: Turbulence,
 
 
 def bound_errors(free: Floats, displacement: Floats, *, rms: float, frequency: float) -> Floats:
-    """The covariance (6, 6) that no unbiased estimate of a vector (6,) passes in a picture whose rings a
-    ``displacement`` (H, W) turbulence moves (Cramér & Rao): of the mask, drawn in pixels."""
+    """The least covariance (6, 6) of a vector (6,) in a picture whose rings a ``displacement`` (H, W) moves (Cramér &
+    Rao): what the mask tells, drawn in pixels, their rounding taken for noise."""
     early = is_early(model_count(free, displacement.shape) + displacement * np.exp(-free[4]), float(free[5]))
     problem = _pose(early.astype(float), Turbulence(free[:GEOMETRY], np.zeros(()), rms, frequency))
     where = [problem.place[:, 1 - n] + displacement.shape[n] / 2 - 0.5 for n in range(2)]
@@ -141,6 +143,7 @@ def bound_errors(free: Floats, displacement: Floats, *, rms: float, frequency: f
     off, slopes = _compare(fine, vector)
     weight = np.full(off.shape, 1 / _variance(fine, off, slopes[-1] ** 2))
     curvature, _ = _add_up(off, slopes, weight, fine.splines, problem.precision, vector)
+    curvature[: len(NAMES), : len(NAMES)] += np.diag(_reach(displacement.shape) ** -2.0)
     return np.asarray(np.linalg.inv(curvature), float)[: len(NAMES), : len(NAMES)]
 
 
@@ -162,6 +165,13 @@ def _begin(rings: Floats, clear: Mask, fitted: Turbulence, logit: float, place: 
     return np.concatenate([fitted.free, [logit], predict_turbulence(rings, clear, fitted, place)])
 
 
+def _turn_like(free: Floats, other: Floats) -> Floats:
+    """Another vector (6,), its axis turned by half a turn where that is nearer to the first one's: the same rings."""
+    turns = round((other[3] - free[3]) / np.pi)
+    sign = -1.0 if turns % 2 else 1.0
+    return np.array([sign * other[0], sign * other[1], other[2], other[3] - turns * np.pi, *other[4:]])
+
+
 def _weigh(states: list[_State], precision: Floats) -> Floats:
     """Minus twice the logarithm of how likely each is, give or take the same for all (Laplace's approximation).
 
@@ -170,10 +180,12 @@ def _weigh(states: list[_State], precision: Floats) -> Floats:
     """
     nodes = np.array([each.vector[len(NAMES) :] for each in states])
     rough = np.einsum("sn,nm,sm->s", nodes, precision, nodes)
-    # All by the first one's noise, whatever they themselves thought of it.
-    noise = np.array([each.variance for each in states]) / states[0].variance
-    left = np.array([each.left for each in states]) / states[0].variance
-    return left + rough + [each.curvature + each.told * np.log(n) for each, n in zip(states, noise, strict=True)]
+    # All by the noise of the one that agrees best, whatever they themselves thought of it.
+    left = np.array([each.left for each in states])
+    variance = np.array([each.variance for each in states])
+    noise = variance[left.argmin()]
+    tied = [each.curvature + each.told * np.log(each.variance / noise) for each in states]
+    return left / noise + rough + tied
 
 
 def _mean_variance(covariance: Floats) -> float:
@@ -198,41 +210,69 @@ def _solve(level: _Level, vector: Floats, precision: Floats, held: Held) -> _Sta
     """Gauss and Newton on one blur of the mask.
 
     How well rings can agree with the mask follows from how well they do, and is taken anew at each step: the mask
-    counts for the more, the nearer they are.
+    counts for the more, the nearer they are. How wide edges are is taken to stay, while a step is sought.
     """
     moving = np.array([n for n in range(len(vector)) if n not in held])
     # Rings of end grain are moved as ellipses.
-    as_ellipses = not held and abs(np.sin(vector[2])) > _END_GRAIN
+    as_ellipses = not held.keys() - {GEOMETRY} and abs(np.sin(vector[2])) > _END_GRAIN
     for _ in range(_ROUNDS):
-        rings, turn = vector[: len(NAMES)], np.eye(len(NAMES))
-        if as_ellipses:
-            rings = to_ellipses(rings)
-            free, turn = from_ellipses(rings)
-            vector = np.concatenate([free, vector[len(NAMES) :]])
-        off, slopes = _compare(level, vector)
-        believed = _believe(level, off, float(np.exp(vector[4])))
-        variance = _variance(level, off, believed * slopes[-1] ** 2)
-        weight = believed / variance
-        slopes = np.concatenate([np.tensordot(turn.T, slopes[:-1], 1), slopes[-1:]])
-        curvature, gradient = _add_up(off, slopes, weight, level.splines, precision, vector)
-        # What the picture does not tell stays where it is.
-        curvature[: len(NAMES), : len(NAMES)] += np.diag(_reach(level.shape) ** -2.0)
-        factor = linalg.cho_factor(curvature[np.ix_(moving, moving)])
-        step = np.zeros_like(vector)
-        step[moving] = linalg.cho_solve(factor, gradient[moving])
-        cost = _cost(off, weight, precision, vector)
-        trials = (_move(vector, rings, share * step, as_ellipses) for share in _SHARES)
-        weighed = ((trial, _cost(_compare(level, trial)[0], weight, precision, trial)) for trial in trials)
-        vector, lower = next((each for each in weighed if each[1] < cost), (vector, cost))
-        if cost - lower < _LITTLE:
+        here = _linearise(level, vector, precision, moving, as_ellipses=as_ellipses)
+        if not here.weight.any():
             break
-    covariance = np.zeros_like(curvature)
-    covariance[np.ix_(moving, moving)] = linalg.cho_solve(factor, np.eye(len(moving)))
+        cost = _cost(here.off, here.weight, precision, here.vector)
+        trials = [_move(here, share * here.step, as_ellipses=as_ellipses) for share in _SHARES]
+        costs = [_cost(_compare(level, each)[0], here.weight, precision, each) for each in trials]
+        best = int(np.argmin(costs))
+        if costs[best] < cost:
+            vector = trials[best]
+        if cost - costs[best] < _LITTLE:
+            break
+    here = _linearise(level, vector, precision, moving, as_ellipses=as_ellipses)
+    covariance = np.zeros((len(vector),) * 2)
+    covariance[np.ix_(moving, moving)] = linalg.cho_solve((here.factor, True), np.eye(len(moving)))
     told = len(precision) - float((precision * covariance[len(NAMES) :, len(NAMES) :]).sum())
-    covariance[: len(NAMES), : len(NAMES)] = turn @ covariance[: len(NAMES), : len(NAMES)] @ turn.T
-    everywhere = np.kron(believed, np.ones((level.every,) * 2))[: level.shape[0], : level.shape[1]]
-    tied = 2 * float(np.log(np.diag(factor[0])).sum())
-    return _State(vector, covariance, everywhere > 0, float((off**2).sum()), variance, told, tied)
+    covariance[: len(NAMES), : len(NAMES)] = here.turn @ covariance[: len(NAMES), : len(NAMES)] @ here.turn.T
+    tied = 2 * float(np.log(np.diag(here.factor)).sum())
+    # A place that rings do not explain, such as a knot, counts no more than that.
+    left = float(np.minimum(here.off**2, _AGREES * level.early.var()).sum())
+    return _State(here.vector, covariance, here.weight > 0, left, here.variance, told, tied)
+
+
+class _Linear(NamedTuple):
+    """What a picture says of a ``vector`` whose ``rings`` (6,) may be written as ellipses, ``turn`` (6, 6) leading back
+    from these: what is ``off`` (H, W) and by which ``weight``; the ``step`` towards the least, and the lower ``factor``
+    of the curvature among what moves."""
+
+    vector: Floats
+    rings: Floats
+    turn: Floats
+    off: Floats
+    weight: Floats
+    variance: float
+    step: Floats
+    factor: Floats
+
+
+def _linearise(
+    level: _Level, vector: Floats, precision: Floats, moving: NDArray[np.int_], *, as_ellipses: bool
+) -> _Linear:
+    rings, turn = vector[: len(NAMES)], np.eye(len(NAMES))
+    if as_ellipses:
+        rings = to_ellipses(rings)
+        free, turn = from_ellipses(rings)
+        vector = np.concatenate([free, vector[len(NAMES) :]])
+    off, slopes = _compare(level, vector)
+    believed = _believe(level, off, float(np.exp(vector[4])))
+    variance = _variance(level, off, believed * slopes[-1] ** 2)
+    weight = believed / variance
+    slopes = np.concatenate([np.tensordot(turn.T, slopes[:-1], 1), slopes[-1:]])
+    curvature, gradient = _add_up(off, slopes, weight, level.splines, precision, vector)
+    # What the picture does not tell stays where it is.
+    curvature[: len(NAMES), : len(NAMES)] += np.diag(_reach(level.shape) ** -2.0)
+    factor = linalg.cholesky(curvature[np.ix_(moving, moving)], lower=True)
+    step = np.zeros_like(vector)
+    step[moving] = linalg.cho_solve((factor, True), gradient[moving])
+    return _Linear(vector, rings, turn, off, weight, variance, step, factor)
 
 
 def _reach(shape: tuple[int, ...]) -> Floats:
@@ -240,11 +280,11 @@ def _reach(shape: tuple[int, ...]) -> Floats:
     return np.array([10.0 * max(shape)] * 2 + [np.pi, np.pi, 1.0, 3.0])
 
 
-def _move(vector: Floats, rings: Floats, step: Floats, as_ellipses: bool) -> Floats:
-    moved = rings - step[: len(NAMES)]
+def _move(here: _Linear, step: Floats, *, as_ellipses: bool) -> Floats:
+    moved = here.rings - step[: len(NAMES)]
     if as_ellipses:
         moved, _ = from_ellipses(moved)
-    return np.concatenate([moved, vector[len(NAMES) :] - step[len(NAMES) :]])
+    return np.concatenate([moved, here.vector[len(NAMES) :] - step[len(NAMES) :]])
 
 
 def _compare(level: _Level, vector: Floats) -> tuple[Floats, Floats]:

@@ -34,7 +34,9 @@ _RIGID = 0.2  # pixels: rings displaced by less are not
 _HOPELESS = 0.62  # overlap that none of the first starts has where there are no rings
 _STEEPEST = 0.4  # pixels of displacement from one pixel to the next: displaced more steeply, any rings would do
 _NO_TILT = 1e-6  # radians: none that could be seen, but a number
-_CLEAR = 0.7  # merit, at least, of rings that have been found
+_SHORTER = 1.1  # times the frequency: turbulence that is, is fitted once more
+_WORTH = 0.5  # merit, at least, of rings that may turn out to be the right ones,
+_AGREED = 0.85  # by their overlap with the mask, once they are displaced as finely as it shows
 
 
 class _Found(NamedTuple):
@@ -76,25 +78,28 @@ def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) ->
     found = _find_rings(early, held)
     if found is not None and middle is not None:
         found, held = _move_to(early, found, held, middle)
-    if found is None or found.merit() < _CLEAR:
+    if found is None or found.merit() < _WORTH:
         return None
-    if found.rings.free[2] < 0 and 1 in held:
-        # Written with a positive tilt it would change its sign: as near as it comes to that is no tilt.
-        held = {**held, 2: _NO_TILT}
-        followed = follow_rings(early - early.mean(), hold(found.rings.free[:GEOMETRY], held), held)
-        found = _try(early, np.append(followed, found.rings.free[GEOMETRY]), held) or found
     free, covariance, turbulence, clear = found.rings.free, found.rings.covariance, (0.0, 0.0), found.clear
     # The blur that rings were looked at through took from their displacement; what is left is followed.
     seen = follow_lines(early - early.mean(), found.seen, float(np.exp(free[4])))
     fitted = fit_turbulence(seen, clear, free[:GEOMETRY], held)
     if fitted is not None:
         turbulence = fitted.rms, fitted.frequency
-        if fitted.rms > _RIGID:
-            displaced = fit_displaced(early, seen, clear, fitted, float(free[GEOMETRY]), held)
-            free, covariance, clear = displaced.free, displaced.covariance, displaced.believed
-            turbulence = displaced.rms, fitted.frequency
-            seen = model_count(free, early.shape) + displaced.displacement / np.exp(free[4])
-    written, signs = canonical_rings(free)
+    while fitted is not None and fitted.rms > _RIGID:
+        displaced = fit_displaced(early, seen, clear, fitted, float(free[GEOMETRY]), held)
+        free, covariance, clear = displaced.free, displaced.covariance, displaced.believed
+        turbulence = displaced.rms, fitted.frequency
+        seen = model_count(free, early.shape) + displaced.displacement / np.exp(free[4])
+        # Lines of wide rings show long waves only; once all of the mask has been fitted to, the short ones are seen.
+        again = fit_turbulence(seen, clear, free[:GEOMETRY], held)
+        fitted = again if again is not None and again.frequency > _SHORTER * fitted.frequency else None
+    if mean_iou(early > 0.5, is_early(seen, free[GEOMETRY])) < _AGREED:
+        return None
+    written, signs = canonical_rings(_turn_over(free, held))
+    if 2 not in held and any(signs[n] < 0 for n in held):
+        # Written with a positive tilt it would change its sign: as near as it comes to that is no tilt.
+        return read_drawn(early, {**held, 2: _NO_TILT}, None)
     return Seen(
         early=early > 0.5,
         free=written,
@@ -103,6 +108,17 @@ def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) ->
         clear=clear,
         turbulence=turbulence,
     )
+
+
+def _turn_over(free: Floats, held: Held) -> Floats:
+    """The vector (6,) with its rotation in [0, pi), the plank turned over rather than a held yc."""
+    if 1 not in held:
+        return free
+    xc, yc, tilt, rotation, *rest = free
+    turns = int(rotation // np.pi)
+    sense = -1.0 if turns % 2 else 1.0
+    tilt = held.get(2, float(np.arcsin(np.sin(sense * tilt))))
+    return np.array([sense * xc, yc, tilt, rotation - turns * np.pi, *rest])
 
 
 def _find_rings(early: Floats, held: Held) -> _Found | None:

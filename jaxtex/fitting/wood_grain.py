@@ -102,7 +102,7 @@ def read_grain(
         figure = follow_figure(light, across)
         folded = _folded(figure, across) > _FOLDED
         levels = figure if folded else levels
-    agreement, crossing = _judge(light, first, fibrous=across is not None)
+    agreement, crossing = _judge(light, first, levels if folded else None, fibrous=across is not None)
     smooth = smooth_along(light, known or directions, float(np.clip(1.5 * spacing, 8, 40)))
     even = np.tanh(even_out_rings(smooth, spacing))
     rings = count_lines(even, levels, spacing)
@@ -136,10 +136,13 @@ def _folded(levels: Floats, across: float) -> float:
     return min(outwards, 1 - outwards)
 
 
-def _judge(light: Floats, first: Floats, *, fibrous: bool) -> tuple[float, float]:
-    """How well edges of any size follow the grain at best, and how many run across it at least."""
+def _judge(light: Floats, first: Floats, figure: Floats | None, *, fibrous: bool) -> tuple[float, float]:
+    """How well edges of any size follow the grain at best, and how many run across it at least.
+
+    Where rings turn back, they follow the board's ``figure``.
+    """
     sharp = [measure_directions(light, scale, reach=1.5 * scale + 1) for scale in (_FIBRES, *_RINGS)]
-    judged = [compare_directions(each, follow_grain(each, first)) for each in sharp]
+    judged = [compare_directions(each, follow_grain(each, first) if figure is None else figure) for each in sharp]
     # Pores of end grain lie any way. Where there are fibres, the finer edges tell: bricks look like stripes from afar.
     crossings = [crossing for _, crossing, _ in (judged[:-1] if fibrous else judged)]
     return max(agreement for agreement, _, _ in judged), min(crossings)

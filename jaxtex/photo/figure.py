@@ -20,6 +20,7 @@ _SQUEEZE = 4  # times, along the grain
 _SCALE, _REACH = 2.0, 7.0  # pixels: of edges, and over which their directions are averaged
 _NODES = 2  # every so many pixels across the grain, and squeezed ones along it
 _EVEN = 0.05  # weight of even slopes, where directions weigh 1
+_FLATTEST = 0.1  # pixels a pixel
 _STIFF = 0.003  # how much the map resists any slope
 
 
@@ -33,8 +34,9 @@ def follow_figure(light: Array, across: float) -> Array:
     twice = np.ma.array(np.angle(directions.across), mask=~inside)
     sense = np.exp(0.5j * np.asarray(unwrap_phase(twice, rng=0).filled(0.0)))
     weight = inside * np.abs(directions.across) / directions.energy
-    levels = _climb(sense, weight)
-    return ndimage.map_coordinates(levels, place, order=1, mode="nearest")
+    levels = ndimage.map_coordinates(_climb(sense, weight), place, order=1, mode="nearest")
+    # Where directions disagree all slopes are less than wanted.
+    return levels / max(float(np.median(np.hypot(*np.gradient(levels)))), _FLATTEST)
 
 
 def _squeeze(light: Array, across: float) -> tuple[Array, NDArray[np.bool_], Array]:
@@ -43,7 +45,7 @@ def _squeeze(light: Array, across: float) -> tuple[Array, NDArray[np.bool_], Arr
     height, width = light.shape
     c, s = np.cos(across), np.sin(across)
     rows = int(width * abs(c) + height * abs(s))
-    columns = int(width * abs(s) + height * abs(c)) // _SQUEEZE * _SQUEEZE
+    columns = max(int(width * abs(s) + height * abs(c)) // _SQUEEZE, 2 * _NODES) * _SQUEEZE
     a, t = np.meshgrid(np.arange(rows) + 0.5 - rows / 2, np.arange(columns) + 0.5 - columns / 2, indexing="ij")
     u, v = a * c + t * s, a * s - t * c
     there = np.stack([v + height / 2 - 0.5, u + width / 2 - 0.5])

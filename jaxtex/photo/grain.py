@@ -20,6 +20,7 @@ from jaxtex.photo.pictures import lightness
 Map = NDArray[np.float32]
 Array = NDArray[np.float64]
 
+_TWO_TONES = 0.97  # of the variance, that two tones explain of a drawing: no shadow parts a photograph so clearly
 _SLOW = 512  # pixels along the longer side: pictures no larger are evened out as they are
 _SMALLEST, _LARGEST = 24, 128  # side of a piece, pixels
 FINEST = 5.0  # pixels from ring to ring: finer ones cannot be told from grain and noise
@@ -48,10 +49,10 @@ def flatten_light(pixels: NDArray[np.floating]) -> Array:
 def find_early_wood(pixels: NDArray[np.floating]) -> NDArray[np.bool_]:
     """Mask (H, W) of early wood, the lighter, in a linear picture (H, W, 1 or 3).
 
-    Its light is evened out, unless the picture falls into two kinds more clearly as it is.
+    Its light is evened out, unless the picture is all of two tones as it is: it has been drawn.
     """
-    masks = [_part_in_two(light) for light in (lightness(pixels).astype(float), flatten_light(pixels))]
-    return max(masks, key=lambda each: each[1])[0]
+    mask, explained = _part_in_two(lightness(pixels).astype(float))
+    return mask if explained > _TWO_TONES else _part_in_two(flatten_light(pixels))[0]
 
 
 def _part_in_two(light: Array) -> tuple[NDArray[np.bool_], float]:
