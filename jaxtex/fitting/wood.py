@@ -139,13 +139,8 @@ def fit_wood(
     seen = _read_if_drawn(shrink(early.astype(np.float32), WORKING_SIZE).astype(float), held, pith)
     reason = ""
     if seen is None:
-        grain = read_grain(light, across=held.get(3), middle=pith)
+        grain, seen = _read_board(light, held, pith)
         reason = _judge(grain)
-        seen = _read_photographed(grain, held)
-        if grain.folded and seen.turbulence[0] > _FARTHEST * max(light.shape):
-            # No trunk has rings that turn back like these.
-            grain = read_grain(light, across=held.get(3), figured=False)
-            seen = _read_photographed(grain, held)
         early = early if mask is not None else _enlarge(grain.early, picture.shape[:2])
     clock.note("rings")
     tell(2, 3)
@@ -160,6 +155,16 @@ def _read_if_drawn(early: Floats, held: Held, pith: tuple[float, float] | None) 
     if mean_iou(early > 0.5, smooth > 0.5) < _DRAWN:
         return None
     return read_drawn(early, held, pith)
+
+
+def _read_board(light: Floats, held: Held, pith: tuple[float, float] | None) -> tuple[Grain, Seen]:
+    """Rings as a photograph shows them: turning back where they seem to, unless no trunk has such rings."""
+    grain = read_grain(light, across=held.get(3), middle=pith)
+    seen = _read_photographed(grain, held)
+    if grain.folded and pith is None and seen.turbulence[0] > _FARTHEST * max(light.shape):
+        grain = read_grain(light, across=held.get(3), figured=False)
+        seen = _read_photographed(grain, held)
+    return grain, seen
 
 
 def _read_photographed(grain: Grain, held: Held) -> Seen:

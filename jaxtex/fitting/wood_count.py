@@ -75,19 +75,29 @@ def fit_count(grain: Grain, held: Held) -> CountedRings:
     """Fit the rings that were counted in a photograph; held numbers stay."""
     independent = max(grain.rings.size / _TOGETHER**2, 2.0 * GEOMETRY)
     starts = [_held(start, held) for start in _list_bent(grain)]
-    bent = min((_solve(grain, start, independent) for start in starts), key=lambda end: end.cost)
+    ends = [_solve(grain, start, independent) for start in starts]
+    bent = min(ends, key=lambda end: end.cost)
     if bent.vector[2] < 0 and 1 in held:
         # Written with a positive tilt it would change its sign: as near as it comes to that is no tilt.
         bent = _solve(grain, _held(bent.start, {**held, 2: _NO_TILT}), independent)
     if grain.pith is not None or grain.across is None or {0, 1, 2} & held.keys():
         return _settle(grain, bent, independent, held)
     straight = _solve(grain, _held(_straight(grain), held), independent)
+    if grain.folded:
+        # A trunk that fits one side only of where rings turn back, and that well, is not the one.
+        return _settle(grain, min([straight, *ends], key=lambda end: _stray(grain, end)), independent, held)
     worth = np.exp(_MORE * np.log(independent) / independent)  # by Schwarz's criterion
     agreement = [
         compare_directions(grain.directions, model_count(end.vector, grain.rings.shape))[0] for end in (straight, bent)
     ]
-    clearly = bent.cost * worth < straight.cost and (grain.folded or agreement[1] > agreement[0] + _BENT)
+    clearly = bent.cost * worth < straight.cost and agreement[1] > agreement[0] + _BENT
     return _settle(grain, bent if clearly else straight, independent, held)
+
+
+def _stray(grain: Grain, end: _End) -> float:
+    """By how many pixels rings typically lie elsewhere than where a trunk has them."""
+    off = _count_from(grain.rings, end.start.sense) - model_count(end.vector[:GEOMETRY], grain.rings.shape)
+    return float(off.std() * np.exp(end.vector[4])) if np.isfinite(end.vector).all() else np.inf
 
 
 def _straight(grain: Grain) -> _Start:
@@ -113,7 +123,9 @@ def _list_bent(grain: Grain) -> list[_Start]:
         xc = pith.u * np.cos(rotation) + pith.v * np.sin(rotation)
         yc = np.sin(pith.tilt) * (pith.v * np.cos(rotation) - pith.u * np.sin(rotation))
         spaced = np.array([False, False, False, False, True])
-        return [_Start(np.array([xc, yc, pith.tilt, rotation, spacing]), spaced, 1.0)]
+        # The map of a board's figure climbs towards the pith as often as away from it.
+        senses = (1.0, -1.0) if grain.folded else (1.0,)
+        return [_Start(np.array([xc, yc, pith.tilt, rotation, spacing]), spaced, sense) for sense in senses]
     if grain.across is None:
         toward = np.array([np.cos(turn), np.sin(turn)])
         return [

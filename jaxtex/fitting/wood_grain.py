@@ -92,16 +92,12 @@ def read_grain(
     if pith is not None and middle is None:
         across = None  # what ran one way were rays, not fibres
     known = None if pith is None or across is not None else directions_of(first)
-    spacing = measure_spacing(light, _lay_rays(first, None if known is None else pith), known)
+    rays = _lay_rays(first, None if known is None else pith, None if middle is None else across)
+    spacing = min(measure_spacing(light, rays, known), float(max(light.shape)))
     directions = measure_directions(light, max(1.5, 0.1 * spacing))
-    levels = follow_grain(directions, first)
-    # Knots and cracks bend the map: once it is known what runs astray, without them.
-    levels = follow_grain(directions, first, clear=compare_directions(directions, levels)[2])
-    folded = False
-    if figured and pith is None and across is not None:
-        figure = follow_figure(light, across)
-        folded = _folded(figure, across) > _FOLDED
-        levels = figure if folded else levels
+    figure = follow_figure(light, across) if figured and across is not None else None
+    folded = figure is not None and _folded(figure, across or 0.0) > _FOLDED
+    levels = figure if figure is not None and folded else _follow_twice(directions, first)
     agreement, crossing = _judge(light, first, levels if folded else None, fibrous=across is not None)
     smooth = smooth_along(light, known or directions, float(np.clip(1.5 * spacing, 8, 40)))
     even = np.tanh(even_out_rings(smooth, spacing))
@@ -127,6 +123,12 @@ def read_grain(
         agreement=agreement,
         crossing=crossing,
     )
+
+
+def _follow_twice(directions: Directions, first: Floats) -> Floats:
+    """Knots and cracks bend the map: once it is known what runs astray, without them."""
+    levels = follow_grain(directions, first)
+    return follow_grain(directions, first, clear=compare_directions(directions, levels)[2])
 
 
 def _folded(levels: Floats, across: float) -> float:
@@ -200,8 +202,9 @@ def _vote_for_pith(directions: Directions) -> tuple[tuple[float, float], float]:
     return (float(u[near].flat[best[1]]), float(v[near].flat[best[1]])), best[0]
 
 
-def _lay_rays(rings: Floats, pith: Pith | None) -> list[Ray]:
-    """Lines across the grain: side by side, or from the pith outwards."""
+def _lay_rays(rings: Floats, pith: Pith | None, across: float | None) -> list[Ray]:
+    """Lines across the grain, where that is not known across most of the rings: side by side, or from the pith
+    outwards."""
     height, width = rings.shape
     reach = np.arange(0.0, np.hypot(height, width))
     if pith is not None:
@@ -209,6 +212,8 @@ def _lay_rays(rings: Floats, pith: Pith | None) -> list[Ray]:
         turns = np.linspace(0, 2 * np.pi, _RAYS, endpoint=False)
         return [(row + reach * np.sin(turn), column + reach * np.cos(turn)) for turn in turns]
     down, right = (float(slope.mean()) for slope in np.gradient(rings))
+    if across is not None:
+        down, right = np.sin(across), np.cos(across)
     reach = reach - reach.mean()
     return [
         ((height - 1) / 2 + reach * down + aside * right, (width - 1) / 2 + reach * right - aside * down)
