@@ -115,6 +115,41 @@ def test_slow_light_does_not_enter_the_mask():
     assert np.mean(find_early_wood(paint(early) * light) == early) > 0.95
 
 
+def test_rings_near_the_border_are_in_the_mask_of_a_drawing():
+    """Where early wood is wide, its neighbourhood is light: evened out it would be late wood."""
+    early = draw_plank(tilt=2.0, center=(-90.0, -40.0), rotation=150.0, spacing=48.0, fraction=0.7)
+    np.testing.assert_array_equal(find_early_wood(paint(early)), early)
+
+
+@pytest.mark.parametrize("shade", [0.35, 0.5, 0.7])
+def test_a_shadow_is_not_taken_for_late_wood(shade):
+    random = np.random.default_rng(0)
+    early = draw_plank()
+    shadow = np.where(np.arange(256) < 150, 1.0, shade)[:, None, None]
+    photo = paint(early) * shadow * random.normal(1, 0.05, (256, 256, 1))
+    mask = find_early_wood(photo)
+    for half in (np.s_[:130], np.s_[170:]):
+        assert 0.3 < mask[half].mean() < 0.9
+        assert np.mean(mask[half] == early[half]) > 0.7
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("yc", [-20.0, 25.0])
+@pytest.mark.parametrize(("tilt", "rotation"), [(0.0, 145.0), (0.0, 15.0), (17.0, 112.0)])
+def test_a_held_centre_keeps_its_sign(yc, tilt, rotation):
+    v, u = np.mgrid[0:100, 0:120] + 0.5
+    wave = 1.2 * np.sin(u / 12) + np.cos(v / 15)
+    turn, lean = np.radians([rotation, tilt])
+    across = (u - 60) * np.cos(turn) + (v - 50) * np.sin(turn)
+    along = (v - 50) * np.cos(turn) - (u - 60) * np.sin(turn)
+    for displacement in (0.0, wave):
+        radius = np.hypot(across - 12, along * np.sin(lean) - yc) + displacement
+        fit = fit_wood(paint(np.sin(2 * np.pi * radius / 12) > 0), fix={"yc": yc})
+        assert fit.ok, fit.reason
+        assert float(fit.wood.center[1]) == pytest.approx(yc)
+        assert float(fit.wood.center[0]) == pytest.approx(12, abs=2)
+
+
 @pytest.mark.parametrize("card", [0.2, 0.9])
 def test_a_flat_card_is_no_wood(card):
     fit = fit_wood(np.full((64, 64), card))
