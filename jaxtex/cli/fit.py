@@ -107,8 +107,8 @@ class Wood:
     it is found."""
     fix: Assignments = ()
     """Parameters to hold: xc, yc (the trunk's axis, pixels from the photograph's middle, across the grain and into the
-    depth), ring_spacing (pixels), tilt_deg (0 along the grain, 90 end grain), rotation_deg (0 vertical grain, 90
-    horizontal), early_fraction (of a ring)."""
+    depth), ring_spacing (pixels), tilt_deg (0 along the grain, 90 end grain), rotation_deg (in the photograph: 0
+    vertical grain, 90 horizontal), early_fraction (of a ring)."""
     ellipse_center: Annotated[str | None, tyro.conf.arg(metavar="X,Y", help_behavior_hint="")] = None
     """Where in the photograph the rings have their middle, in pixels: the pith of end grain, the middle of ellipses."""
     size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint="")] = None

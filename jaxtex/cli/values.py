@@ -129,7 +129,7 @@ def parse_assignments(option: str, words: Sequence[str]) -> dict[str, float]:
     for word in words:
         match = re.fullmatch(rf"\s*(\w+)\s*=\s*({_NUMBER}(?:e[+-]?\d+)?)\s*", word, re.IGNORECASE)
         if not match:
-            raise InputError(f"{option}: '{word}' gives no parameter a number; write name=number, as in angle_deg=0")
+            raise InputError(f"{option}: '{word}' gives no parameter a number; write name=number, without spaces")
         if match[1] in values:
             raise InputError(f"{option}: {match[1]} is given twice; give it once")
         values[match[1]] = float(match[2])
