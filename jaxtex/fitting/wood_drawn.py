@@ -75,6 +75,7 @@ def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) ->
 
     The ``middle`` (u, v) of the rings' ellipses may be known.
     """
+    asked = held  # the axis that a known middle means may turn its signs with the rest
     found = _find_rings(early, held)
     if found is not None and middle is not None:
         found, held = _move_to(early, found, held, middle)
@@ -96,10 +97,10 @@ def read_drawn(early: Floats, held: Held, middle: tuple[float, float] | None) ->
         fitted = again if again is not None and again.frequency > _SHORTER * fitted.frequency else None
     if mean_iou(early > 0.5, is_early(seen, free[GEOMETRY])) < _AGREED:
         return None
-    written, signs = canonical_rings(_turn_over(free, held))
-    if 2 not in held and any(signs[n] < 0 for n in held):
+    written, signs = canonical_rings(_turn_over(free, asked))
+    if 2 not in asked and any(signs[n] < 0 for n in asked):
         # Written with a positive tilt it would change its sign: as near as it comes to that is no tilt.
-        return read_drawn(early, {**held, 2: _NO_TILT}, None)
+        return read_drawn(early, {**asked, 2: _NO_TILT}, middle)
     return Seen(
         early=early > 0.5,
         free=written,
