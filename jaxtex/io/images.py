@@ -202,6 +202,26 @@ def writing_image(
         yield write_rows
 
 
+def to_bytes(pixels: np.ndarray, *, colour_space: ColourSpace) -> np.ndarray:
+    """The numbers that an 8-bit file of `write_image` holds, for files that hold images among other things.
+
+    Args:
+        pixels: as `write_image` takes them.
+        colour_space: likewise.
+
+    Returns:
+        uint8 [row, col, channel].
+
+    Raises:
+        InputError: pixels that `write_image` would refuse.
+
+    Examples:
+        >>> to_bytes(np.array([[0.0, 0.214, 1.0]]), colour_space="srgb")[0, :, 0]
+        array([  0, 127, 255], dtype=uint8)
+    """
+    return _encode(_checked_pixels(np.asarray(pixels)), colour_space, 8, premultiply=False)
+
+
 def _decode(raster: Raster, space: str) -> tuple[np.ndarray, np.ndarray | None]:
     """Linear pixels and alpha of a raster."""
     colours, alpha_at = _find_channels(raster)

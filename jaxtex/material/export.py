@@ -11,6 +11,16 @@ from jaxtex.io.images import ColourSpace, writing_image
 from jaxtex.material.maps import Maps
 
 
+def encode_normals(normals: np.ndarray) -> np.ndarray:
+    """Unit vectors as files have them: 0.5 n + 0.5, from 0 to 1.
+
+    Examples:
+        >>> encode_normals(np.array([0.0, 0.0, 1.0]))
+        array([0.5, 0.5, 1. ])
+    """
+    return np.clip(0.5 * normals + 0.5, 0, 1)
+
+
 class _MapFile(NamedTuple):
     name: str
     field: str  # of the maps
@@ -22,7 +32,7 @@ class _MapFile(NamedTuple):
 _FILES = (
     _MapFile("basecolor.png", "base_colour", 3, "srgb"),
     _MapFile("height.exr", "height", 1, "data"),
-    _MapFile("normal.png", "normal", 3, "data", lambda normal: np.clip(0.5 * normal + 0.5, 0, 1)),
+    _MapFile("normal.png", "normal", 3, "data", encode_normals),
     _MapFile("roughness.png", "roughness", 1, "data"),
     _MapFile("tile_id.exr", "tile_id", 1, "data"),
 )
