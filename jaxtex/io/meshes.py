@@ -1,5 +1,7 @@
-"""Triangle meshes, read by trimesh; written with a colour to each vertex."""
+"""Triangle meshes, read by trimesh, with or without texture coordinates; written with a colour to each vertex."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,6 +26,53 @@ class Mesh(NamedTuple):
     faces: npt.NDArray[np.int64]
 
 
+class TexturedMesh(NamedTuple):
+    """A mesh of triangles that a picture is laid on. Where a picture's parts differ along a seam, vertices stand twice.
+
+    Attributes:
+        vertices: [vertex, 3]: x right, y up, z towards the viewer.
+        faces: [face, 3], numbers of vertices, counterclockwise as seen from outside.
+        uv: [vertex, 2], with v upwards: (0, 0) is the lower left corner of the picture, (1, 1) the upper right one, and
+            ((col + 0.5) / width, 1 - (row + 0.5) / height) the centre of a pixel. Beyond 0 to 1 the picture repeats.
+        normals: [vertex, 3], unit vectors.
+        tangent: unit vector (3,) of growing u, where the mesh is flat and it is the same everywhere.
+    """
+
+    vertices: npt.NDArray[np.float64]
+    faces: npt.NDArray[np.int64]
+    uv: npt.NDArray[np.float64]
+    normals: npt.NDArray[np.float64]
+    tangent: npt.NDArray[np.float64] | None = None
+
+
+def wall_mesh(width: float, height: float) -> TexturedMesh:
+    """A wall on the ground: it faces the viewer (+z), and a picture stands upright on it.
+
+    Args:
+        width, height: in metres. x is 0 in its middle, y at its foot.
+
+    Examples:
+        >>> wall_mesh(4.0, 3.0).vertices.tolist()
+        [[-2.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 3.0, 0.0], [-2.0, 3.0, 0.0]]
+    """
+    x, y = width / 2, height
+    return _rectangle([[-x, 0, 0], [x, 0, 0], [x, y, 0], [-x, y, 0]], normal=[0, 0, 1])
+
+
+def floor_mesh(width: float, depth: float) -> TexturedMesh:
+    """A floor: it faces upwards (+y), and a picture's upper side lies away from the viewer (-z).
+
+    Args:
+        width, depth: in metres, along x and z. Its middle is the origin.
+
+    Examples:
+        >>> floor_mesh(4.0, 3.0).vertices.tolist()
+        [[-2.0, 0.0, 1.5], [2.0, 0.0, 1.5], [2.0, 0.0, -1.5], [-2.0, 0.0, -1.5]]
+    """
+    x, z = width / 2, depth / 2
+    return _rectangle([[-x, 0, z], [x, 0, z], [x, 0, -z], [-x, 0, -z]], normal=[0, 1, 0])
+
+
 def read_mesh(path: Path | str) -> Mesh:
     """Read a mesh file: PLY, OBJ, STL, OFF, GLB and what else trimesh reads; of several parts, all as one.
 
@@ -37,19 +86,44 @@ def read_mesh(path: Path | str) -> Mesh:
         (4, 3)
     """
     path = existing_file(path)
-    try:
+    with _reading(path):
         loaded = trimesh.load_mesh(str(path), process=False)
         vertices, faces = np.asarray(loaded.vertices, np.float64), np.asarray(loaded.faces, np.int64)
-    except Exception as error:  # readers of damaged files raise whatever comes to them
-        told = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(f"{path}: is no mesh that can be read ({told[:100]})") from None
-    if vertices.ndim != 2 or vertices.shape[1:] != (3,) or faces.ndim != 2 or not len(faces):
-        raise InputError(f"{path}: holds no triangles; save the mesh's faces too")
-    if not np.isfinite(vertices).all():
-        raise InputError(f"{path}: has vertices that are not finite")
-    if faces.min() < 0 or faces.max() >= len(vertices):
-        raise InputError(f"{path}: is damaged, as its faces name vertices that are not there")
+    _check_triangles(path, vertices, faces)
     return Mesh(vertices, faces)
+
+
+def read_textured_mesh(path: Path | str) -> TexturedMesh:
+    """Read a mesh file with texture coordinates: OBJ, GLB, PLY and what else trimesh reads; of several parts, all.
+
+    Lengths and axes stay the file's. Normals are the file's own; a part without them is smooth, also across the seams
+    of its texture.
+
+    Raises:
+        InputError: as `read_mesh`, or a part has no texture coordinates, or some that are not finite.
+
+    Examples:
+        >>> _ = Path("sail.obj").write_text("v 0 0 0\\nv 2 0 0\\nv 0 2 0\\nvt 0 0\\nvt 1 0\\nvt 0 1\\nf 1/1 2/2 3/3\\n")
+        >>> read_textured_mesh("sail.obj").uv.tolist()
+        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]
+    """
+    path = existing_file(path)
+    with _reading(path):
+        scene = trimesh.load_scene(str(path), process=False)
+        placed = [scene.graph[node] for node in scene.graph.nodes_geometry]
+        parts = [_Part(scene.geometry[name], matrix) for matrix, name in placed]
+    parts = [part for part in parts if isinstance(part.mesh, trimesh.Trimesh) and len(part.mesh.faces)]
+    if not parts:
+        raise InputError(f"{path}: holds no triangles; save the mesh's faces too")
+    for mesh, _ in parts:
+        uv = getattr(mesh.visual, "uv", None)
+        if uv is None or len(uv) != len(mesh.vertices):
+            raise InputError(f"{path}: has no texture coordinates; unwrap it in your modeller first")
+        _check_triangles(path, mesh.vertices, mesh.faces)
+        if not np.isfinite(uv).all():
+            raise InputError(f"{path}: has texture coordinates that are not finite; unwrap it in your modeller anew")
+    with _reading(path):
+        return _join([_place(part) for part in parts])
 
 
 def write_mesh(path: Path | str, mesh: Mesh, colours: npt.NDArray[np.floating]) -> None:
@@ -68,3 +142,75 @@ def write_mesh(path: Path | str, mesh: Mesh, colours: npt.NDArray[np.floating]) 
     data = coloured.export(file_type="ply")
     assert isinstance(data, bytes)
     atomic_write_bytes(path, data)
+
+
+class _Part(NamedTuple):
+    mesh: trimesh.Trimesh
+    matrix: npt.NDArray[np.float64]  # [4, 4], to where it stands
+
+
+def _place(part: _Part) -> TexturedMesh:
+    mesh, matrix = part
+    vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
+    # trimesh would make up normals for each vertex by itself, and the seams of the texture would show.
+    own = "vertex_normals" in mesh._cache
+    normals = np.asarray(mesh.vertex_normals, np.float64) if own else _smooth_normals(vertices, faces)
+    normals = normals @ np.linalg.inv(matrix[:3, :3])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return TexturedMesh(
+        vertices=vertices @ matrix[:3, :3].T + matrix[:3, 3],
+        faces=faces if np.linalg.det(matrix[:3, :3]) > 0 else faces[:, ::-1],
+        uv=np.asarray(mesh.visual.uv, np.float64)[:, :2],
+        # Corners of triangles without an area have none; any direction will do, but it must be one.
+        normals=np.divide(normals, lengths, out=np.tile([0.0, 0.0, 1.0], (len(normals), 1)), where=lengths > 1e-30),
+    )
+
+
+def _smooth_normals(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
+    """Mean of the normals of all triangles that meet at a vertex's place, by their areas; of any length."""
+    _, place = np.unique(vertices, axis=0, return_inverse=True)
+    place = place.ravel()
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    areas = np.cross(b - a, c - a)
+    sums = np.zeros((len(vertices), 3))
+    np.add.at(sums, place[faces].ravel(), np.repeat(areas, 3, axis=0))
+    return sums[place]
+
+
+def _join(meshes: list[TexturedMesh]) -> TexturedMesh:
+    firsts = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
+    return TexturedMesh(
+        vertices=np.concatenate([mesh.vertices for mesh in meshes]),
+        faces=np.concatenate([mesh.faces + first for mesh, first in zip(meshes, firsts, strict=True)]),
+        uv=np.concatenate([mesh.uv for mesh in meshes]),
+        normals=np.concatenate([mesh.normals for mesh in meshes]),
+    )
+
+
+def _rectangle(corners: list[list[float]], *, normal: list[float]) -> TexturedMesh:
+    """Of two triangles; its corners are those of a picture, from the lower left one on counterclockwise."""
+    return TexturedMesh(
+        vertices=np.array(corners, np.float64),
+        faces=np.array([[0, 1, 2], [0, 2, 3]], np.int64),
+        uv=np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float64),
+        normals=np.tile(np.array(normal, np.float64), (4, 1)),
+        tangent=np.array([1, 0, 0], np.float64),
+    )
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except Exception as error:  # readers of damaged files raise whatever comes to them
+        told = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(f"{path}: is no mesh that can be read ({told[:100]})") from None
+
+
+def _check_triangles(path: Path, vertices: npt.NDArray[np.floating], faces: npt.NDArray[np.integer]) -> None:
+    if vertices.ndim != 2 or vertices.shape[1:] != (3,) or faces.ndim != 2 or not len(faces):
+        raise InputError(f"{path}: holds no triangles; save the mesh's faces too")
+    if not np.isfinite(vertices).all():
+        raise InputError(f"{path}: has vertices that are not finite")
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise InputError(f"{path}: is damaged, as its faces name vertices that are not there")

@@ -1,0 +1,208 @@
+"""A mesh with a material as binary glTF 2.0, by trimesh: one file that viewers, engines and modellers open.
+
+Positions are in metres, with y upwards. glTF's texture coordinates have v **downwards** from the picture's upper left
+corner; trimesh turns those of `TexturedMesh` over. Tangents are written of flat meshes alone: where there are none, the
+specification has clients derive those of MikkTSpace from the texture coordinates, as modellers do.
+"""
+
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import trimesh
+from PIL import Image
+from trimesh.exchange.gltf import export_glb
+from trimesh.visual import TextureVisuals
+from trimesh.visual.material import PBRMaterial
+
+from jaxtex.core.errors import InputError
+from jaxtex.io.files import atomic_write_bytes
+from jaxtex.io.meshes import TexturedMesh
+
+LONGEST_SIDE = 16_384
+"""Textures with a longer side are refused: graphics cards cannot hold them."""
+
+LARGEST_FILE = 2**32 - 1
+"""Bytes that a binary glTF file can count."""
+
+# Of OpenGL, by which glTF names them.
+_LINEAR, _LINEAR_MIPMAP_LINEAR, _REPEAT, _VERTICES, _INDICES = 9729, 9987, 10497, 34962, 34963
+_SAMPLER = {"magFilter": _LINEAR, "minFilter": _LINEAR_MIPMAP_LINEAR, "wrapS": _REPEAT, "wrapT": _REPEAT}
+
+_IOR_OF_8_PERCENT = 1.788789  # what a dielectric has that reflects so much at right angles
+
+
+class MaterialImages(NamedTuple):
+    """The maps of a material as the textures of glTF, all of one size, uint8.
+
+    Attributes:
+        base_colour: [row, col, 3], encoded as sRGB.
+        normal: [row, col, 3], 0.5 n + 0.5 of unit vectors: x right, y up, z out of the surface.
+        surface: [row, col, 3]: ambient occlusion, roughness, metallic; each from 0 to 1 as it stands.
+        specular: [row, col], encoded as sRGB: from 0 to 1, reflectance at right angles as a share of 8 %. None where it
+            is 4 % everywhere, as glTF has it unless told.
+    """
+
+    base_colour: npt.NDArray[np.uint8]
+    normal: npt.NDArray[np.uint8]
+    surface: npt.NDArray[np.uint8]
+    specular: npt.NDArray[np.uint8] | None = None
+
+
+def write_glb(
+    path: Path | str,
+    mesh: TexturedMesh,
+    images: MaterialImages,
+    *,
+    repeat: tuple[float, float] = (1.0, 1.0),
+    offset: tuple[float, float] = (0.0, 0.0),
+    name: str = "material",
+) -> None:
+    """Write a mesh with a material to a .glb file, whole or not at all. The same input gives the same bytes.
+
+    Textures repeat beyond their borders, and are filtered with mipmaps. Reflectance that is not 4 % everywhere goes by
+    `KHR_materials_specular` and `KHR_materials_ior` (the former's section on materials with a reflectance parameter);
+    clients that do not know them show 4 %.
+
+    Args:
+        path: the file.
+        mesh: in metres.
+        images: the material.
+        repeat: how often the picture repeats where u and v go from 0 to 1, to the right and downwards.
+        offset: by how much of the picture it is cut off on the left and at the top. These two go by
+            `KHR_texture_transform`.
+        name: of the material and the mesh.
+
+    Raises:
+        InputError: a path that does not end in .glb, arrays of other shapes or types, numbers that are not finite,
+            textures beyond `LONGEST_SIDE`, more than `LARGEST_FILE`, a file that cannot be made.
+
+    Examples:
+        >>> from jaxtex.io.meshes import wall_mesh
+        >>> grey = np.full((4, 8, 3), 128, np.uint8)
+        >>> write_glb("wall.glb", wall_mesh(4.0, 2.0), MaterialImages(grey, grey, grey), repeat=(2, 2))
+        >>> Path("wall.glb").read_bytes()[:4]
+        b'glTF'
+    """
+    path = Path(path)
+    try:
+        if path.suffix.lower() != ".glb":
+            raise InputError(f"cannot be written as '{path.suffix}'; name it .glb")
+        _check_images(images)
+        _check_mesh(mesh)
+        if not (np.isfinite([*repeat, *offset]).all() and min(repeat) > 0):
+            raise InputError(f"repeat {repeat} and offset {offset}: give finite numbers, and repeat more than 0")
+        arrays = [*images, mesh.vertices, mesh.faces, mesh.uv, mesh.normals]
+        if sum(array.nbytes for array in arrays if array is not None) > LARGEST_FILE:
+            raise InputError("cannot be written, as glTF files hold at most 4 GiB; give a smaller mesh or textures")
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    atomic_write_bytes(path, _encode(mesh, images, _transform(repeat, offset), name))
+
+
+def _encode(mesh: TexturedMesh, images: MaterialImages, transform: Mapping[str, Any], name: str) -> bytes:
+    material = PBRMaterial(
+        name=name,
+        baseColorTexture=Image.fromarray(images.base_colour),
+        normalTexture=Image.fromarray(images.normal),
+        metallicRoughnessTexture=Image.fromarray(images.surface),
+    )
+    textured = trimesh.Trimesh(
+        mesh.vertices,
+        mesh.faces,
+        vertex_normals=mesh.normals,
+        visual=TextureVisuals(uv=mesh.uv, material=material),
+        vertex_attributes={} if mesh.tangent is None else {"_TANGENT": _tangents(mesh.tangent, len(mesh.vertices))},
+        process=False,
+    )
+
+    def add_specular(buffers: Any, tree: dict[str, Any]) -> None:
+        if images.specular is not None:
+            _add_specular(buffers, tree, images.specular)
+
+    data = export_glb(
+        trimesh.Scene({name: textured}),
+        include_normals=True,
+        buffer_postprocessor=add_specular,
+        tree_postprocessor=lambda tree: _finish(tree, transform),
+    )
+    assert isinstance(data, bytes)
+    return data
+
+
+def _add_specular(buffers: Any, tree: dict[str, Any], specular: npt.NDArray[np.uint8]) -> None:
+    """One more texture, and the extensions of the material that use it."""
+    file = io.BytesIO()
+    Image.fromarray(specular).convert("RGB").save(file, format="PNG")
+    buffers["specular"] = file.getvalue() + bytes(-len(file.getvalue()) % 4)
+    tree["images"].append({"bufferView": len(buffers) - 1, "mimeType": "image/png"})
+    tree["textures"].append({"source": len(tree["images"]) - 1})
+    tree["materials"][0]["extensions"] = {
+        "KHR_materials_ior": {"ior": _IOR_OF_8_PERCENT},
+        "KHR_materials_specular": {"specularColorTexture": {"index": len(tree["textures"]) - 1}},
+    }
+
+
+def _finish(tree: dict[str, Any], transform: Mapping[str, Any]) -> None:
+    """What trimesh leaves out: the occlusion's texture, samplers, extensions, and what buffers are for."""
+    (material,) = tree["materials"]
+    surface = material["pbrMetallicRoughness"]
+    material["occlusionTexture"] = dict(surface["metallicRoughnessTexture"])  # one image, looked up once for both
+    extensions = material.get("extensions", {})
+    uses = [surface["baseColorTexture"], surface["metallicRoughnessTexture"]]
+    uses += [material["normalTexture"], material["occlusionTexture"]]
+    uses += [each["specularColorTexture"] for each in extensions.values() if "specularColorTexture" in each]
+    for use in uses:
+        if transform:
+            use["extensions"] = {"KHR_texture_transform": dict(transform)}
+    tree["samplers"] = [_SAMPLER]
+    for texture in tree["textures"]:
+        texture["sampler"] = 0
+    used = sorted([*extensions, *(["KHR_texture_transform"] if transform else [])])
+    if used:
+        tree["extensionsUsed"] = used
+    for mesh in tree["meshes"]:
+        (primitive,) = mesh["primitives"]
+        if "_TANGENT" in primitive["attributes"]:  # trimesh takes it for an attribute that glTF does not know
+            primitive["attributes"]["TANGENT"] = primitive["attributes"].pop("_TANGENT")
+        for accessor in primitive["attributes"].values():
+            tree["bufferViews"][tree["accessors"][accessor]["bufferView"]]["target"] = _VERTICES
+        tree["bufferViews"][tree["accessors"][primitive["indices"]]["bufferView"]]["target"] = _INDICES
+
+
+def _tangents(tangent: npt.NDArray[np.float64], count: int) -> npt.NDArray[np.float32]:
+    """[vertex, 4]; the fourth number says that v grows to the left of u as seen from outside."""
+    return np.tile(np.array([*tangent, 1], np.float32), (count, 1))
+
+
+def _transform(repeat: tuple[float, float], offset: tuple[float, float]) -> dict[str, list[float]]:
+    """The properties of `KHR_texture_transform` that are not what they are anyway."""
+    properties = {"offset": (offset, (0.0, 0.0)), "scale": (repeat, (1.0, 1.0))}
+    return {key: [float(x) for x in value] for key, (value, plain) in properties.items() if tuple(value) != plain}
+
+
+def _check_images(images: MaterialImages) -> None:
+    rows, columns = (*images.base_colour.shape, 0, 0)[:2]
+    for field, image in images._asdict().items():
+        shape = (rows, columns) if field == "specular" else (rows, columns, 3)
+        if image is not None and (image.shape != shape or image.dtype != np.uint8):
+            raise InputError(f"{field}: is {image.dtype} of shape {image.shape}; give uint8 of shape {shape}")
+    if not 1 <= min(rows, columns) <= max(rows, columns) <= LONGEST_SIDE:
+        raise InputError(f"textures of {columns} x {rows} pixels: give 1 to {LONGEST_SIDE} to a side")
+
+
+def _check_mesh(mesh: TexturedMesh) -> None:
+    count = len(mesh.vertices)
+    shapes = {"vertices": (count, 3), "faces": (len(mesh.faces), 3), "uv": (count, 2), "normals": (count, 3)}
+    for field, shape in shapes.items():
+        if getattr(mesh, field).shape != shape or 0 in shape:
+            raise InputError(f"{field} of the mesh are of shape {getattr(mesh, field).shape}; give {shape}")
+        # Files hold single precision.
+        with np.errstate(over="ignore"):
+            if not np.isfinite(getattr(mesh, field).astype(np.float32)).all():
+                raise InputError(f"{field} of the mesh are not finite in single precision")
+    if mesh.faces.min() < 0 or mesh.faces.max() >= count:
+        raise InputError(f"faces of the mesh name vertices from {mesh.faces.min()} to {mesh.faces.max()} of {count}")
