@@ -58,19 +58,20 @@ class Render:
         block = None if self.block is None else parse_block("--block", self.block)
         check_seed(self.seed)
 
+        from jaxtex.cli.model_maps import refuse
         from jaxtex.models.files import TilingFile, load_model
         from jaxtex.models.floor_files import FloorFile
 
         file = load_model(self.model)
         if isinstance(file, TilingFile):
-            self._refuse({"--block": block, "--mesh": self.mesh}, "a tiling; it is for wood")
+            refuse(self.model, {"--block": block, "--mesh": self.mesh}, "a tiling; it is for wood")
             self._render_tiling(file, size, tiles)
         elif isinstance(file, FloorFile):
-            self._refuse({"--tiles": tiles, "--seamless": self.seamless or None}, "a floor")
-            self._refuse({"--block": block, "--mesh": self.mesh}, "a floor")
+            refuse(self.model, {"--tiles": tiles, "--seamless": self.seamless or None}, "a floor")
+            refuse(self.model, {"--block": block, "--mesh": self.mesh}, "a floor")
             self._render_floor(file, size)
         else:
-            self._refuse({"--tiles": tiles, "--seamless": self.seamless or None}, "wood, which has no tiles")
+            refuse(self.model, {"--tiles": tiles, "--seamless": self.seamless or None}, "wood, which has no tiles")
             render_wood_file(file, self.output, WoodTask(size=size, block=block, mesh=self.mesh))
         if not file.report["ok"]:
             print(f"  note: this model is a best guess; its fit did not succeed: {file.report['reason']}")
@@ -85,38 +86,21 @@ class Render:
         write_floor_maps(folder, file, size=(width, height))
         print(f"{folder}: maps of {width} x {height} pixels, {len(file.planks)} planks")
 
-    def _refuse(self, options: dict[str, object], what: str) -> None:
-        from jaxtex.core.errors import InputError
-
-        given = next((option for option, value in options.items() if value is not None), None)
-        if given:
-            raise InputError(f"{given}: {self.model} is a model of {what}")
-
     def _render_tiling(self, file: "TilingFile", size: tuple[int, int] | None, tiles: tuple[int, int] | None) -> None:
-        import jax
-
+        from jaxtex.cli.model_maps import SheetOptions, open_maps
         from jaxtex.cli.progress import progress
-        from jaxtex.core.errors import InputError
         from jaxtex.io.files import prepare_folder
-        from jaxtex.material.appearance import appearance_of
         from jaxtex.material.bands import count_bands
         from jaxtex.material.export import write_maps
-        from jaxtex.material.maps import render_maps
-        from jaxtex.material.sheet import lay_photographed_sheet
 
-        try:
-            appearance = appearance_of(file)
-        except InputError as error:
-            raise InputError(f"{self.model}: {error}") from None
-        sheet = lay_photographed_sheet(file, tiles=tiles, seamless=self.seamless, pattern=appearance.pattern)
-        size = size or sheet.natural_size
-        bands = render_maps(sheet, appearance, size=size, key=jax.random.key(self.seed))
+        maps = open_maps(self.model, file, size=size, options=SheetOptions(tiles, self.seamless, self.seed))
+        (width, height), (along, across) = maps.size, maps.extent
         folder = prepare_folder(self.output)
-        write_maps(folder, progress(bands, "rendering maps", total=count_bands(size)), size=size)
-        print(f"{folder}: maps of {size[0]} x {size[1]} pixels, {sheet.columns:g} x {sheet.rows} tiles")
-        stretched = size[0] / size[1] / (sheet.width / sheet.height)
+        write_maps(folder, progress(maps.bands, "rendering maps", total=count_bands(maps.size)), size=maps.size)
+        print(f"{folder}: maps of {width} x {height} pixels, {maps.shown}")
+        stretched = width / height / (along / across)
         if abs(stretched - 1) > 0.01:
-            fitting = f"{size[0]}x{max(round(size[0] * sheet.height / sheet.width), 1)}"
+            fitting = f"{width}x{max(round(width * across / along), 1)}"
             print(f"  note: tiles are drawn {stretched:.2f} times as wide for their height; --size {fitting} would not")
-        for change in sheet.changes:
+        for change in maps.changes:
             print(f"  so that they repeat without a seam, {change}")

@@ -26,17 +26,27 @@ def replacing(path: Path | str) -> Iterator[Path]:
         >>> with replacing("notes.txt") as temporary:
         ...     _ = temporary.write_text("oak, pine")
     """
-    path = Path(path)
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; name a file to write")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: cannot be written, as there is no folder {path.parent}; make it first")
+    path = place_for_file(path)
     temporary = path.with_name(f".{path.stem[:100]}.{secrets.token_hex(4)}{path.suffix}")
     try:
         yield temporary
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def place_for_file(path: Path | str) -> Path:
+    """`path` as a `Path`, once it is known that a file can stand there; for work that takes long before it writes.
+
+    Raises:
+        InputError: its folder does not exist, or `path` is itself a folder.
+    """
+    path = Path(path)
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; name a file to write")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: cannot be written, as there is no folder {path.parent}; make it first")
+    return path
 
 
 def atomic_write_bytes(path: Path | str, data: bytes) -> None:

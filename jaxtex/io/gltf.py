@@ -123,8 +123,10 @@ def _encode(mesh: TexturedMesh, images: MaterialImages, transform: Mapping[str, 
         if images.specular is not None:
             _add_specular(buffers, tree, images.specular)
 
+    scene = trimesh.Scene()
+    scene.add_geometry(textured, node_name=name, geom_name=name)
     data = export_glb(
-        trimesh.Scene({name: textured}),
+        scene,
         include_normals=True,
         buffer_postprocessor=add_specular,
         tree_postprocessor=lambda tree: _finish(tree, transform),

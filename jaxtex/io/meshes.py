@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -145,7 +145,7 @@ def write_mesh(path: Path | str, mesh: Mesh, colours: npt.NDArray[np.floating]) 
 
 
 class _Part(NamedTuple):
-    mesh: trimesh.Trimesh
+    mesh: Any  # trimesh's; what else files hold is left out
     matrix: npt.NDArray[np.float64]  # [4, 4], to where it stands
 
 

@@ -1,0 +1,131 @@
+"""The maps of a model file, whatever its model."""
+
+from collections.abc import Iterator, Mapping
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import jax
+
+from jaxtex.core.errors import InputError
+from jaxtex.material.appearance import Appearance, appearance_of
+from jaxtex.material.floor import render_floor
+from jaxtex.material.maps import render_maps
+from jaxtex.material.sheet import Sheet, lay_photographed_sheet
+from jaxtex.material.wood import render_wood
+from jaxtex.models.files import ModelFile, TilingFile
+from jaxtex.models.floor_files import FloorFile
+
+
+class ModelMaps(NamedTuple):
+    """Maps about to be rendered.
+
+    Attributes:
+        bands: some rows at a time, from the top.
+        size: (width, height) in pixels.
+        extent: (width, height) of what they show, in pixels of the photograph.
+        shown: what they show, in words.
+        seamless: whether they repeat without a seam.
+        changes: what had to give way for that, or why they cannot, in words.
+    """
+
+    bands: Iterator[NamedTuple]
+    size: tuple[int, int]
+    extent: tuple[float, float]
+    shown: str
+    seamless: bool = False
+    changes: tuple[str, ...] = ()
+
+
+class SheetOptions(NamedTuple):
+    """What may be asked of the maps of a tiling.
+
+    Attributes:
+        tiles, seamless, seed: as `jaxtex render` has them.
+        seams_allowed: where no seamless maps can be made, to make others.
+    """
+
+    tiles: tuple[int, int] | None = None
+    seamless: bool = False
+    seed: int = 0
+    seams_allowed: bool = False
+
+
+def open_maps(
+    source: Path,
+    file: ModelFile,
+    *,
+    size: tuple[int, int] | None = None,
+    longest: int | None = None,
+    options: SheetOptions,
+) -> ModelMaps:
+    """Begin to render the maps of a model file: all is checked, and nothing rendered yet.
+
+    Args:
+        source: the model file, to name it in complaints.
+        file: its content.
+        size: (width, height) of the maps in pixels; None stands for the photograph's scale.
+        longest: the longer side where no size is given, if the photograph's scale gives more.
+        options: of tilings.
+
+    Raises:
+        InputError: there are no such maps.
+    """
+    if isinstance(file, TilingFile):
+        return _open_tiling(source, file, size, longest, options)
+    image = file.image.width, file.image.height
+    size = size or _at_most(longest, image)
+    if isinstance(file, FloorFile):
+        bands: Iterator[NamedTuple] = render_floor(file.planks, image=image, size=size)
+        return ModelMaps(bands, size, image, f"{len(file.planks)} planks")
+    bands = render_wood(file.wood, across=image[0], size=size)
+    return ModelMaps(bands, size, (image[0], image[0] * size[1] / size[0]), "wood")
+
+
+def refuse(source: Path, options: Mapping[str, object], what: str) -> None:
+    """Refuse options that the model has no use for.
+
+    Args:
+        source: the model file.
+        options: by name; None stands for one that was not given.
+        what: the kind of model, in words.
+
+    Raises:
+        InputError: one was given.
+    """
+    given = next((option for option, value in options.items() if value is not None), None)
+    if given:
+        raise InputError(f"{given}: {source} is a model of {what}")
+
+
+def _open_tiling(
+    source: Path, file: TilingFile, size: tuple[int, int] | None, longest: int | None, options: SheetOptions
+) -> ModelMaps:
+    try:
+        appearance = appearance_of(file)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+    sheet, reasons = _lay(file, appearance, options)
+    size = size or _at_most(longest, sheet.natural_size)
+    bands = render_maps(sheet, appearance, size=size, key=jax.random.key(options.seed))
+    shown = f"{sheet.columns:g} x {sheet.rows} tiles"
+    return ModelMaps(bands, size, (sheet.width, sheet.height), shown, sheet.seamless, sheet.changes + reasons)
+
+
+def _lay(file: TilingFile, appearance: Appearance, options: SheetOptions) -> tuple[Sheet, tuple[str, ...]]:
+    """The sheet, and why it is not seamless although it should be."""
+    lay = partial(lay_photographed_sheet, file, tiles=options.tiles, pattern=appearance.pattern)
+    try:
+        return lay(seamless=options.seamless), ()
+    except InputError as error:
+        if not (options.seamless and options.seams_allowed):
+            raise
+        return lay(seamless=False), (str(error).partition(";")[0],)
+
+
+def _at_most(longest: int | None, size: tuple[int, int]) -> tuple[int, int]:
+    """A size, or one of about the same ratio whose longer side is the longest allowed."""
+    if longest is None or max(size) <= longest:
+        return size
+    width, height = (max(1, round(side * longest / max(size))) for side in size)
+    return width, height
