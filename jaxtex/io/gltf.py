@@ -103,6 +103,16 @@ def write_glb(
     atomic_write_bytes(path, _encode(mesh, images, _transform(repeat, offset), name))
 
 
+def check_texture_size(size: tuple[int, int]) -> None:
+    """Refuse sizes (width, height) that textures cannot have.
+
+    Raises:
+        InputError: no pixels, or a side beyond `LONGEST_SIDE`.
+    """
+    if not 1 <= min(size) <= max(size) <= LONGEST_SIDE:
+        raise InputError(f"textures of {size[0]} x {size[1]} pixels cannot be made; give 1 to {LONGEST_SIDE} to a side")
+
+
 def _encode(mesh: TexturedMesh, images: MaterialImages, transform: Mapping[str, Any], name: str) -> bytes:
     material = PBRMaterial(
         name=name,
@@ -192,8 +202,7 @@ def _check_images(images: MaterialImages) -> None:
         shape = (rows, columns) if field == "specular" else (rows, columns, 3)
         if image is not None and (image.shape != shape or image.dtype != np.uint8):
             raise InputError(f"{field}: is {image.dtype} of shape {image.shape}; give uint8 of shape {shape}")
-    if not 1 <= min(rows, columns) <= max(rows, columns) <= LONGEST_SIDE:
-        raise InputError(f"textures of {columns} x {rows} pixels: give 1 to {LONGEST_SIDE} to a side")
+    check_texture_size((columns, rows))
 
 
 def _check_mesh(mesh: TexturedMesh) -> None:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from jaxtex.io.gltf import MaterialImages
+from jaxtex.io.gltf import MaterialImages, check_texture_size
 from jaxtex.io.images import ColourSpace, to_bytes
 from jaxtex.material.export import encode_normals
 
@@ -26,7 +26,8 @@ def pack_maps(bands: Iterable[NamedTuple], *, size: tuple[int, int]) -> Material
         size: (width, height) of the maps in pixels.
 
     Raises:
-        InputError: maps that are not finite, or beyond 0 to 1 where they are no colours.
+        InputError: a size that textures cannot have; maps that are not finite, or beyond 0 to 1 where they are no
+            colours.
 
     Examples:
         >>> class Maps(NamedTuple):
@@ -38,6 +39,7 @@ def pack_maps(bands: Iterable[NamedTuple], *, size: tuple[int, int]) -> Material
         >>> packed.surface.shape, packed.surface[0, 0].tolist(), packed.specular
         ((4, 3, 3), [255, 153, 0], None)
     """
+    check_texture_size(size)
     width, height = size
     colour, normal, surface = (np.empty((height, width, 3), np.uint8) for _ in range(3))
     specular = np.empty((height, width), np.uint8)
