@@ -6,7 +6,6 @@ specification has clients derive those of MikkTSpace from the texture coordinate
 """
 
 import io
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -113,76 +112,74 @@ def check_texture_size(size: tuple[int, int]) -> None:
         raise InputError(f"textures of {size[0]} x {size[1]} pixels cannot be made; give 1 to {LONGEST_SIDE} to a side")
 
 
-def _encode(mesh: TexturedMesh, images: MaterialImages, transform: Mapping[str, Any], name: str) -> bytes:
-    material = PBRMaterial(
-        name=name,
-        baseColorTexture=Image.fromarray(images.base_colour),
-        normalTexture=Image.fromarray(images.normal),
-        metallicRoughnessTexture=Image.fromarray(images.surface),
-    )
+def _encode(mesh: TexturedMesh, images: MaterialImages, transform: dict[str, Any], name: str) -> bytes:
     textured = trimesh.Trimesh(
         mesh.vertices,
         mesh.faces,
         vertex_normals=mesh.normals,
-        visual=TextureVisuals(uv=mesh.uv, material=material),
+        visual=TextureVisuals(uv=mesh.uv, material=PBRMaterial(name=name)),
         vertex_attributes={} if mesh.tangent is None else {"_TANGENT": _tangents(mesh.tangent, len(mesh.vertices))},
         process=False,
     )
-
-    def add_specular(buffers: Any, tree: dict[str, Any]) -> None:
-        if images.specular is not None:
-            _add_specular(buffers, tree, images.specular)
-
     scene = trimesh.Scene()
     scene.add_geometry(textured, node_name=name, geom_name=name)
     data = export_glb(
         scene,
         include_normals=True,
-        buffer_postprocessor=add_specular,
-        tree_postprocessor=lambda tree: _finish(tree, transform),
+        buffer_postprocessor=lambda buffers, tree: _add_material(buffers, tree, images, transform),
+        tree_postprocessor=_name_buffers,
     )
     assert isinstance(data, bytes)
     return data
 
 
-def _add_specular(buffers: Any, tree: dict[str, Any], specular: npt.NDArray[np.uint8]) -> None:
-    """One more texture, and the extensions of the material that use it."""
-    file = io.BytesIO()
-    Image.fromarray(specular).convert("RGB").save(file, format="PNG")
-    buffers["specular"] = file.getvalue() + bytes(-len(file.getvalue()) % 4)
-    tree["images"].append({"bufferView": len(buffers) - 1, "mimeType": "image/png"})
-    tree["textures"].append({"source": len(tree["images"]) - 1})
-    tree["materials"][0]["extensions"] = {
-        "KHR_materials_ior": {"ior": _IOR_OF_8_PERCENT},
-        "KHR_materials_specular": {"specularColorTexture": {"index": len(tree["textures"]) - 1}},
-    }
+def _add_material(buffers: Any, tree: dict[str, Any], images: MaterialImages, transform: dict[str, Any]) -> None:
+    """Textures and what they are for. trimesh's own materials write an image twice that serves two purposes, and know
+    no extensions."""
 
+    def use(image: npt.NDArray[np.uint8]) -> dict[str, Any]:
+        number = len(tree["textures"])
+        buffers[f"texture {number}"] = _encode_png(image)
+        tree["images"].append({"bufferView": len(buffers) - 1, "mimeType": "image/png"})
+        tree["textures"].append({"sampler": 0, "source": number})
+        return {"index": number} | ({"extensions": {"KHR_texture_transform": transform}} if transform else {})
 
-def _finish(tree: dict[str, Any], transform: Mapping[str, Any]) -> None:
-    """What trimesh leaves out: the occlusion's texture, samplers, extensions, and what buffers are for."""
-    (material,) = tree["materials"]
-    surface = material["pbrMetallicRoughness"]
-    material["occlusionTexture"] = dict(surface["metallicRoughnessTexture"])  # one image, looked up once for both
-    extensions = material.get("extensions", {})
-    uses = [surface["baseColorTexture"], surface["metallicRoughnessTexture"]]
-    uses += [material["normalTexture"], material["occlusionTexture"]]
-    uses += [each["specularColorTexture"] for each in extensions.values() if "specularColorTexture" in each]
-    for use in uses:
-        if transform:
-            use["extensions"] = {"KHR_texture_transform": dict(transform)}
+    surface = use(images.surface)
+    extensions: dict[str, Any] = {}
+    if images.specular is not None:
+        grey = np.repeat(images.specular[..., None], 3, axis=-1)
+        extensions["KHR_materials_ior"] = {"ior": _IOR_OF_8_PERCENT}
+        extensions["KHR_materials_specular"] = {"specularColorTexture": use(grey)}
     tree["samplers"] = [_SAMPLER]
-    for texture in tree["textures"]:
-        texture["sampler"] = 0
-    used = sorted([*extensions, *(["KHR_texture_transform"] if transform else [])])
+    tree["materials"][0] |= {
+        "pbrMetallicRoughness": {"baseColorTexture": use(images.base_colour), "metallicRoughnessTexture": surface},
+        "normalTexture": use(images.normal),
+        "occlusionTexture": surface,
+    } | ({"extensions": extensions} if extensions else {})
+    used = [*extensions, *(["KHR_texture_transform"] if transform else [])]
     if used:
         tree["extensionsUsed"] = used
+
+
+def _encode_png(image: npt.NDArray[np.uint8]) -> bytes:
+    """A PNG file, filled up to a multiple of four bytes."""
+    file = io.BytesIO()
+    Image.fromarray(image).save(file, format="PNG")
+    file.write(bytes(-file.tell() % 4))
+    return file.getvalue()
+
+
+def _name_buffers(tree: dict[str, Any]) -> None:
+    """What buffers are for, and that one of them holds tangents: to trimesh an attribute that glTF does not know."""
+    views, accessors = tree["bufferViews"], tree["accessors"]
     for mesh in tree["meshes"]:
         (primitive,) = mesh["primitives"]
-        if "_TANGENT" in primitive["attributes"]:  # trimesh takes it for an attribute that glTF does not know
-            primitive["attributes"]["TANGENT"] = primitive["attributes"].pop("_TANGENT")
-        for accessor in primitive["attributes"].values():
-            tree["bufferViews"][tree["accessors"][accessor]["bufferView"]]["target"] = _VERTICES
-        tree["bufferViews"][tree["accessors"][primitive["indices"]]["bufferView"]]["target"] = _INDICES
+        attributes = primitive["attributes"]
+        if "_TANGENT" in attributes:
+            attributes["TANGENT"] = attributes.pop("_TANGENT")
+        for accessor in attributes.values():
+            views[accessors[accessor]["bufferView"]]["target"] = _VERTICES
+        views[accessors[primitive["indices"]]["bufferView"]]["target"] = _INDICES
 
 
 def _tangents(tangent: npt.NDArray[np.float64], count: int) -> npt.NDArray[np.float32]:

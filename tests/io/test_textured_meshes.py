@@ -78,6 +78,21 @@ def test_parts_are_joined_where_they_stand(tmp_path: Path) -> None:
     assert (np.einsum("fi,fki->fk", flat, mesh.normals[mesh.faces]) > 0).all()
 
 
+def test_normals_of_a_stretched_part_stay_upright(tmp_path: Path) -> None:
+    ball = trimesh.creation.icosphere(subdivisions=1)
+    uv = trimesh.visual.TextureVisuals(uv=ball.vertices[:, :2])
+    ball = trimesh.Trimesh(ball.vertices, ball.faces, vertex_normals=ball.vertices, visual=uv, process=False)
+    stretch, turn = np.diag([1.0, 2.0, 4.0, 1.0]), trimesh.transformations.rotation_matrix(0.7, [1, 2, 3])
+    scene = trimesh.Scene()
+    scene.add_geometry(ball, transform=turn @ stretch)
+    (tmp_path / "egg.glb").write_bytes(scene.export(file_type="glb", include_normals=True))
+    mesh = read_textured_mesh(tmp_path / "egg.glb")
+    # An ellipsoid's normal is the gradient of x² + (y / 2)² + (z / 4)².
+    upright = mesh.vertices @ turn[:3, :3] / np.array([1.0, 4.0, 16.0])
+    expected = upright / np.linalg.norm(upright, axis=1, keepdims=True) @ turn[:3, :3].T
+    np.testing.assert_allclose(mesh.normals, expected, atol=1e-5)
+
+
 def test_a_triangle_without_area_has_unit_normals(tmp_path: Path) -> None:
     mesh = read_textured_mesh(write(tmp_path / "needle.obj", SAIL + "f 1/1 2/2 2/3\n"))
     np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1)
