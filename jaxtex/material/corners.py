@@ -219,26 +219,27 @@ def _walk_rows(walls: Walls) -> list[tuple[list[int], list[Corner]]]:
 
 def _wrap_walls(walls: Walls, turn: Turn) -> Floats:
     """Coordinates run on round every corner; the least stretch that closes all rings in whole periods."""
-    corners, count = walls.corners, len(walls.extents)
-    links = [(corner.first, corner.second, corner.end - corner.start) for corner in corners]
-    summand, label = chain(count, links)
-    first = np.array([np.argmax(label == one) for one in label])
-    summand = summand - walls.extents[first, 0]
-    # Equations a_i end + b_i - a_j start - b_j = periods, for a = 1 + x / weight with the least sum of x squared:
-    # all walls of a plain ring are then stretched alike.
-    weight = np.sqrt(np.maximum(walls.extents[:, 1] - walls.extents[:, 0], 1e-9))
-    equations, right = np.zeros((len(corners), 2 * count)), np.zeros(len(corners))
-    for row, corner in enumerate(corners):
-        gap = corner.end + summand[corner.first] - corner.start - summand[corner.second]
-        periods = round(gap / turn.period)
-        if periods == 0 and abs(gap) > _ALIKE * turn.pitch:
-            periods = int(np.sign(gap))
-        right[row] = periods * turn.period - gap
-        for wall, at, sign in ((corner.first, corner.end, 1), (corner.second, corner.start, -1)):
-            equations[row, wall] += sign * at / weight[wall]
-            equations[row, count + wall] += sign
-    stretch = np.diag(np.r_[np.ones(count), np.zeros(count)])
-    system = np.block([[stretch, equations.T], [equations, np.zeros((len(corners), len(corners)))]])
-    # Rings that share walls may say a thing twice: least squares do not mind.
-    solved = np.linalg.lstsq(system, np.r_[np.zeros(2 * count), right], rcond=1e-12)[0]
-    return np.stack([1 + solved[:count] / weight, summand + solved[count : 2 * count]], axis=-1)
+    placed = np.stack([np.ones(len(walls.extents)), -walls.extents[:, 0]], axis=-1)
+    if not walls.corners:
+        return placed
+    joined = np.unique([[corner.first, corner.second] for corner in walls.corners])
+    # Each wall's summand is a sum of the factors of those before it: a row of numbers, by which to multiply these.
+    links = []
+    for corner in walls.corners:
+        first, second = np.searchsorted(joined, [corner.first, corner.second])
+        step = np.zeros(len(joined))
+        step[first] += corner.end
+        step[second] -= corner.start
+        links.append((int(first), int(second), step))
+    summands, label = chain(len(joined), links)
+    round_ring = np.array([summands[first] + step - summands[second] for first, second, step in links])
+    length = round_ring.sum(axis=1)
+    periods = np.round(length / turn.period)
+    periods = np.where((periods == 0) & (np.abs(length) > _ALIKE * turn.pitch), np.sign(length), periods)
+    # Factors 1 + x / weight with the least sum of x squared: all walls of a plain ring are then stretched alike.
+    weight = np.sqrt(np.maximum(np.ptp(walls.extents[joined], axis=1), 1e-9))
+    x = np.linalg.lstsq(round_ring / weight, periods * turn.period - length, rcond=1e-9)[0]
+    factors = 1 + x / weight
+    starts = walls.extents[joined[np.unique(label, return_index=True)[1]], 0]
+    placed[joined] = np.stack([factors, summands @ factors - starts[label]], axis=-1)
+    return placed

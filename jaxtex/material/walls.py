@@ -23,7 +23,7 @@ from jaxtex.material.polygons import (
 )
 
 Kind = Literal["flush", "level", "corner", "cut", "loose"]
-Link = tuple[int, int, float]
+Link = tuple[int, int, float | Floats]
 
 
 class Meeting(NamedTuple):
@@ -211,19 +211,22 @@ def lay_courses(
 def chain(count: int, links: Sequence[Link]) -> tuple[Floats, npt.NDArray[np.int_]]:
     """Numbers that differ by given steps: of a link (i, j, step), number j is number i plus step.
 
+    Steps may be arrays, all of one shape, and the numbers are then such arrays.
+
     Returns:
-        The numbers, [count], 0 for the first that hang together; and which hang together, labels from 0, [count].
+        The numbers, [count, ...], 0 for the first that hang together; and which hang together, labels from 0, [count].
         Links that close a circle are not looked at.
 
     Examples:
         >>> [found.tolist() for found in chain(4, [(0, 2, 5.0), (3, 2, 1.0)])]
         [[0.0, 0.0, 5.0, 4.0], [0, 1, 0, 0]]
     """
-    onwards: dict[int, list[tuple[int, float]]] = defaultdict(list)
+    onwards: dict[int, list[tuple[int, float | Floats]]] = defaultdict(list)
     for first, second, step in links:
         onwards[first].append((second, step))
         onwards[second].append((first, -step))
-    numbers, labels = np.zeros(count), np.full(count, -1)
+    shape = np.shape(links[0][2]) if links else ()
+    numbers, labels = np.zeros((count, *shape)), np.full(count, -1)
     for start in range(count):
         if labels[start] >= 0:
             continue

@@ -121,18 +121,18 @@ def test_a_wall_that_is_laid_wrong_is_measured(name):
         return measure_mismatch(dataclasses.replace(layout, lattice=lattice))
 
     touched = (edges == 3).any(axis=1)
-    aside = spoil(lambda points: points + [0.02 * LENGTH, 0.0])
+    aside = spoil(lambda points: np.add(points, [0.02 * LENGTH, 0.0]))
     np.testing.assert_allclose(aside.head, np.where(touched, 0.02, 0.0), atol=1e-5)
     assert aside.bed.max() < 1e-5
-    raised = spoil(lambda points: points + [0.0, 0.02 * HEIGHT])
+    raised = spoil(lambda points: np.add(points, [0.0, 0.02 * HEIGHT]))
     np.testing.assert_allclose(raised.bed, np.where(touched, 0.02, 0.0), atol=1e-5)
-    leaning = spoil(lambda points: points + [[0, 0], [0, 0], [0, 0.3 * HEIGHT], [0, 0.3 * HEIGHT]])
+    leaning = spoil(lambda points: np.add(points, [[0, 0], [0, 0], [0, 0.3 * HEIGHT], [0, 0.3 * HEIGHT]]))
     np.testing.assert_allclose(leaning.bed, np.where(touched, 0.3, 0.0), atol=1e-5)
     wide = spoil(lambda points: points[0] + (points - points[0]) * [1.01, 1.0])
     assert 0.05 < wide.head.max() < 0.07
     assert wide.worst == wide.head.max()
     if name != "stack":
-        other = spoil(lambda points: points + [LENGTH, 0.0])  # every joint in its place, but no brick goes round
+        other = spoil(lambda points: np.add(points, [LENGTH, 0.0]))  # every joint in its place, but no brick goes round
         np.testing.assert_allclose(other.head, np.where(touched, 1.0, 0.0), atol=1e-5)
 
 

@@ -69,7 +69,7 @@ def test_a_wall_with_a_window_is_triangulated_around_it():
 def test_edges_are_shared_where_they_overlap():
     wide = np.array([[0, 0, 0], [4, 0, 0], [4, 1, 0], [0, 1, 0]], float)
     left, right = wide * [0.25, 1, 1] + [0, 1, 0], wide * [0.5, 1, 1] + [1.5, 1, 0]
-    far = wide + [0, 5, 0]
+    far = np.add(wide, [0, 5, 0])
     edges = find_shared_edges([wide, left, right, far], UP)
     found = {frozenset((edge.first, edge.second)): sorted(edge.ends[:, 0]) for edge in edges}
     assert found.keys() == {frozenset((0, 1)), frozenset((0, 2))}
