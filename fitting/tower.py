@@ -21,7 +21,7 @@ from tables import make_table
 
 import jaxtex as jt
 from jaxtex.io.meshes import TexturedMesh
-from jaxtex.material.adjacent import Layout, lay_adjacent, polygon_mesh
+from jaxtex.material.adjacent import Layout, lay_tiling, polygon_mesh
 from jaxtex.material.mismatch import measure_mismatch
 from jaxtex.models.bonds import bond_pattern
 from jaxtex.models.files import need_tiling
@@ -30,10 +30,11 @@ from jaxtex.models.tiling import make_tiling
 MODEL = Path(__file__).parents[1] / "models" / "brick-skimage.json"
 BONDS = ("running", "stack", "english", "flemish")
 SIDES, RADIUS, HEIGHT = 8, 1.6, 4.0  # metres, to the edges
-SHEET = (6, 12)  # columns, and courses at least
+ROWS = 12  # courses of the sheet, at least
 LAMP = np.array([0.75, 0.55, 0.36])  # towards it
 SKY, EXPOSURE = 0.25, 1.5
 SUPERSAMPLING = 3
+LEAST_PIXELS = 5  # to the height of a tile
 
 Floats = NDArray[np.float64]
 
@@ -69,8 +70,8 @@ def lay_bricks(file: jt.TilingFile, bond: str | None, tiles: float) -> tuple[Lay
         lengths = ("tile_width", "tile_height", "mortar_x", "mortar_y", "corner_radius")
         tiling = make_tiling(**{name: getattr(tiling, name) for name in lengths}, **bond_pattern(bond))
     appearance = jt.appearance_of(file)
-    sheet = jt.lay_sheet(tiling, tiles=SHEET, seamless=True, pattern=appearance.pattern)
-    return lay_adjacent(build_tower(), sheet, tiles=tiles), appearance
+    layout = lay_tiling(build_tower(), tiling, tiles=tiles, rows=ROWS, pattern=appearance.pattern)
+    return layout, appearance
 
 
 def describe(layout: Layout) -> str:
@@ -120,8 +121,8 @@ def look_at(view: View) -> Floats:
 
 
 def render_sheet(layout: Layout, appearance: jt.Appearance, *, tile_pixels: float) -> jt.Maps:
-    """The maps that all walls repeat, with so many pixels to the length of a tile."""
-    scale = tile_pixels / layout.turn.pitch
+    """The maps that all walls repeat, with so many pixels to the length of a tile, if that shows its height too."""
+    scale = max(tile_pixels / layout.turn.pitch, LEAST_PIXELS / float(layout.sheet.tiling.tile_height))
     size = round(scale * layout.sheet.width), round(scale * layout.sheet.height)
     bands = jt.render_maps(layout.sheet, appearance, size=size, key=jax.random.key(0))
     return jt.Maps(*map(np.concatenate, zip(*bands, strict=True)))

@@ -92,6 +92,21 @@ def test_the_gallery_says_what_cannot_be_used(script: ModuleType, tmp_path: Path
     assert all(source.path.is_file() for source in script.list_shipped())
 
 
+@pytest.mark.parametrize("script", ["tower"], indirect=True)
+@pytest.mark.parametrize(("bond", "style"), [(None, "wrap"), ("running", "quoin"), ("stack", "joint")])
+def test_bricks_go_around_the_tower(script: ModuleType, bond: str | None, style: str) -> None:
+    layout, appearance = script.lay_bricks(jt.load_model(script.MODEL), bond, 6)
+    assert (len(layout.polygons), layout.turn.style) == (8, style)
+    told = script.describe(layout).splitlines()
+    assert sum("corner" in line for line in told[2:-3]) == 8
+    assert float(told[-1].removeprefix("largest mismatch: ").removesuffix(" tile")) < 1e-5
+    picture = script.draw_tower(layout, appearance, script.VIEWS[0], size=(60, 90))
+    assert picture.shape == (90, 60, 3)
+    # Where the middle of the picture looks there is a wall: joints and bricks on it, the sky beside it.
+    assert np.ptp(picture[30:60, 25:35]) > 0.1
+    np.testing.assert_array_equal(picture[:, 0], 1)
+
+
 @pytest.mark.parametrize("script", ["tables"], indirect=True)
 def test_tables_are_aligned(script: ModuleType) -> None:
     table = script.make_table(("a", "long"), [("wide cell", "1"), ("", "22")])

@@ -13,10 +13,13 @@ import numpy.typing as npt
 from jaxtex.core.errors import InputError
 from jaxtex.io.meshes import TexturedMesh
 from jaxtex.material.corners import CornerStyle, Turn, choose_turn, place_walls
+from jaxtex.material.patterns import ONE_CLASS, Pattern
 from jaxtex.material.polygons import Floats, check_polygons, find_area, triangulate
-from jaxtex.material.sheet import Sheet
+from jaxtex.material.sheet import Sheet, lay_sheet
 from jaxtex.material.walls import Meeting, Walls, find_meetings, join_walls, lay_courses
+from jaxtex.models.tiling import Tiling
 
+_COLUMNS = range(4, 13)  # of a sheet: fewer look alike from afar, more take large textures
 _MOST_STRETCH = 2.0  # or as little as its inverse
 
 
@@ -32,7 +35,8 @@ class Layout:
             tiling's proportions have it; their ratio is the error of the aspect.
         meetings: the edges they share.
         turn: how tiles turn corners.
-        tile_length: pitch of the tiles in the polygons' unit.
+        tile_length: pitch of the tiles in the polygons' unit, on the mean of all walls.
+        asked_length: the pitch that was asked for, or that follows from the number of tiles asked for.
     """
 
     sheet: Sheet
@@ -42,6 +46,7 @@ class Layout:
     meetings: tuple[Meeting, ...]
     turn: Turn
     tile_length: float
+    asked_length: float
 
     def texture_coordinates(self, polygon: int) -> Floats:
         """Where the corners of a polygon lie on the sheet, [corner, 2]: u right, v up, 1 to a repeat.
@@ -126,7 +131,56 @@ def lay_adjacent(
         meetings=tuple(meetings),
         turn=turn,
         tile_length=length / mean,
+        asked_length=length,
     )
+
+
+def lay_tiling(
+    polygons: Sequence[npt.ArrayLike],
+    tiling: Tiling,
+    *,
+    tiles: float,
+    along: int = 0,
+    rows: int = 8,
+    pattern: Pattern = ONE_CLASS,
+    corners: CornerStyle | None = None,
+    up: npt.ArrayLike = (0.0, 1.0, 0.0),
+) -> Layout:
+    """`lay_adjacent` with a sheet of its own: of 4 to 12 columns, the one with which tiles on all walls are nearest to
+    the length that was asked for; where several do as well, the widest.
+
+    Args:
+        tiling: any tiling.
+        rows: courses of the sheet, at least.
+        pattern: the colours' pattern, as in `lay_sheet`.
+        polygons, tiles, along, corners, up: as in `lay_adjacent`.
+
+    Raises:
+        InputError: as `lay_adjacent` and `lay_sheet`, if no sheet will do.
+
+    Examples:
+        >>> from jaxtex.models.tiling import make_tiling
+        >>> bricks = make_tiling(tile_width=60, tile_height=20, mortar_x=4, mortar_y=4, offset=0.5)
+        >>> plan = np.array([[-1, 1], [1, 1], [1, -1], [-1, -1]])
+        >>> tower = [[(*a, 0), (*b, 0), (*b, 5), (*a, 5)] for a, b in zip(np.roll(plan, -1, 0), plan)]
+        >>> layout = lay_tiling(tower, bricks, tiles=7, up=(0, 0, 1))
+        >>> layout.sheet.columns, bool(np.allclose(layout.stretch, 1))
+        (7.0, True)
+    """
+    best, least, complaint = None, np.inf, InputError("")
+    for columns in reversed(_COLUMNS):
+        try:
+            sheet = lay_sheet(tiling, tiles=(columns, rows), seamless=True, pattern=pattern)
+            layout = lay_adjacent(polygons, sheet, tiles=tiles, along=along, corners=corners, up=up)
+        except InputError as error:
+            complaint = error
+            continue
+        off = float(np.abs(np.log(layout.stretch[:, 0] * layout.tile_length / layout.asked_length)).max())
+        if off < least - 1e-4:
+            best, least = layout, off
+    if best is None:
+        raise complaint
+    return best
 
 
 def polygon_mesh(layout: Layout) -> TexturedMesh:

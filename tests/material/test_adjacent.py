@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jaxtex.core.errors import InputError
-from jaxtex.material.adjacent import lay_adjacent, polygon_mesh
+from jaxtex.material.adjacent import lay_adjacent, lay_tiling, polygon_mesh
 from jaxtex.material.appearance import Appearance
 from jaxtex.material.maps import render_maps
 from jaxtex.material.mismatch import measure_mismatch
@@ -305,6 +305,18 @@ def test_any_tower_is_tiled_without_a_mismatch(sides, seed, offset, gap, columns
     walls = raise_walls(circle(sides, jitter=0.3, seed=seed))
     layout = lay_adjacent(walls, sheet, tiles=tiles, along=seed % sides, corners=style)
     assert measure_mismatch(layout).worst < 1e-4
+
+
+@pytest.mark.parametrize("name", ["stack", "running", "raking", "flemish"])
+@pytest.mark.parametrize("tiles", [5, 6, 7, 9])
+def test_a_sheet_is_found_that_goes_around(name, tiles):
+    wall = make_tiling(tile_width=LENGTH, tile_height=HEIGHT, mortar_x=GAP, mortar_y=3.0, **BONDS[name][0])
+    layout = lay_tiling(raise_walls(circle(8)), wall, tiles=tiles)
+    np.testing.assert_allclose(layout.stretch, 1)
+    assert layout.tile_length == pytest.approx(layout.asked_length)
+    assert measure_mismatch(layout).worst < 1e-5
+    with pytest.raises(InputError, match="does not go with"):
+        lay_tiling(raise_walls(circle(8)), wall, tiles=tiles, corners="quoin" if name != "running" else "joint")
 
 
 def test_texture_coordinates_stay_small():
