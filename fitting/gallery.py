@@ -24,7 +24,8 @@ from tables import make_table
 
 import jaxtex as jt
 from jaxtex.cli.progress import progress
-from jaxtex.cli.results import describe_fit
+from jaxtex.cli.results import Look, describe_fit, measure_look
+from jaxtex.material.interior_files import write_interiors
 
 MODELS = Path(__file__).parents[1] / "models"
 SIDE = 320  # pixels of each of the three pictures of a preview
@@ -73,9 +74,12 @@ def fit_all(sources: list[Source], output: Path) -> Iterator[list[str]]:
         if not fit.ok:
             yield [source.name, "", "", "", f"no tiling: {fit.reason}", source.origin]
             continue
-        file = describe_fit(photo, fit, seed=0)
+        look, beside = measure_look(photo.pixels, fit), f"{source.name}.npz"
+        file = describe_fit(photo, fit, look, seed=0, interiors=beside)
         jt.save_model(output / f"{source.name}.json", file)
-        jt.write_image(output / f"{source.name}.png", draw_preview(photo, file))
+        if look.interiors is not None:
+            write_interiors(output / beside, look.interiors)
+        jt.write_image(output / f"{source.name}.png", draw_preview(photo, file, look))
         parameters = jt.tiling_parameters(fit.tiling, rows=fit.rows, columns=fit.columns)
         size = "{tile_width:.1f} x {tile_height:.1f}".format(**parameters)
         yield [
@@ -88,14 +92,14 @@ def fit_all(sources: list[Source], output: Path) -> Iterator[list[str]]:
         ]
 
 
-def draw_preview(photo: jt.Image, file: jt.TilingFile) -> NDArray[np.float32]:
+def draw_preview(photo: jt.Image, file: jt.TilingFile, look: Look) -> NDArray[np.float32]:
     """The photograph, the tiling over it, and its material under a lamp, side by side."""
     appearance = jt.appearance_of(file)
     sheet = jt.lay_photographed_sheet(file)
     width, height = sheet.natural_size
     scale = 2 * SIDE / max(width, height)
     size = (max(1, round(scale * width)), max(1, round(scale * height)))
-    bands = jt.render_maps(sheet, appearance, size=size, key=jax.random.key(0))
+    bands = jt.render_maps(sheet, appearance, interiors=look.interiors, size=size, key=jax.random.key(0))
     maps = jt.Maps(*map(np.concatenate, zip(*bands, strict=True)))
     lit = jt.shade_maps(maps, pixel=sheet.width / size[0])
     return np.hstack(

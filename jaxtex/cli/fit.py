@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from jaxtex.models.wood_files import WoodFile
 
 Assignments = Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME=NUMBER [...]", help_behavior_hint="")]
+Rectangles = Annotated[tuple[str, ...], tyro.conf.arg(metavar="X,Y,WxH [...]", help_behavior_hint="")]
 Switch = Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help_behavior_hint="")]
 
 
@@ -21,7 +22,8 @@ class Tiling:
     """Fit a tiling to a photograph of a tiled wall, floor or facade, and make its material.
 
     Writes model.json, mask.png, overlay.png (look at this one first), the maps basecolor.png, height.exr, normal.png,
-    roughness.png and tile_id.exr, and report.html. The exit status is 1 where the picture shows no rectangular tiling;
+    roughness.png, specular.png, metallic.png, occlusion.png and tile_id.exr, what tiles and joints are filled with,
+    interiors.npz, and report.html. The exit status is 1 where the picture shows no rectangular tiling;
     the best guess is written all the same.
 
     Example: jaxtex fit tiling wall.jpg -o wall
@@ -43,14 +45,29 @@ class Tiling:
     """Take the photograph as seen straight on."""
     size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint="")] = None
     """Size of the maps in pixels. By default tiles are as large as in the photograph."""
+    no_fill: Switch = False
+    """Leave tiles and joints flat, each of one colour."""
+    tile_region: Rectangles = ()
+    """Parts of the photograph, each inside of one tile, that interiors of tiles are learnt from. By default clean tiles
+    are chosen: without highlights, shadows or dirt."""
+    joint_region: Rectangles = ()
+    """Likewise for joints, each inside of one joint."""
+    regions: Annotated[Path | None, tyro.conf.arg(metavar="PATH", help_behavior_hint="")] = None
+    """Or a picture as large as the photograph, painted where tiles may be learnt from: black nowhere, and each grey for
+    a kind of its own, which the tiles painted so, and others like them, are filled with."""
     seed: int = 0
     """Of the colours of tiles that the photograph does not show."""
 
     def run(self) -> int:
-        from jaxtex.cli.values import check_seed, parse_assignments, parse_size
+        from jaxtex.cli.values import check_seed, parse_assignments, parse_rectangle, parse_size
+        from jaxtex.core.errors import InputError
 
         seed = check_seed(self.seed)
         size = None if self.size is None else parse_size("--size", self.size)
+        tile_regions = tuple(parse_rectangle("--tile-region", word) for word in self.tile_region)
+        joint_regions = tuple(parse_rectangle("--joint-region", word) for word in self.joint_region)
+        if self.regions and tile_regions:
+            raise InputError("--regions: and --tile-region both say where to learn from; give one of them")
         fix, init = parse_assignments("--fix", self.fix), parse_assignments("--init", self.init)
 
         from jaxtex.cli.progress import reporting
@@ -58,25 +75,44 @@ class Tiling:
         from jaxtex.fitting.tiling import fit_tiling
         from jaxtex.io.images import read_image
         from jaxtex.io.masks import read_mask
+        from jaxtex.material.regions import Regions, check_rectangles, read_painted
 
         photo = read_image(self.photo)
         mask = None if self.mask is None else read_mask(self.mask)
+        painted = None
+        if self.regions is not None:
+            painted = read_painted(read_mask(self.regions), photo.pixels.shape[:2], str(self.regions))
+        regions = Regions(tile_regions, joint_regions, painted)
+        check_rectangles(regions, photo.pixels.shape[:2])
         with results_folder(self.output) as folder:
             with reporting("fitting the tiling") as report:
                 fit = fit_tiling(
                     photo.pixels, mask=mask, perspective=not self.no_perspective, fix=fix, init=init, report=report
                 )
-            file = write_fit(folder, photo, fit, size=size, seed=seed, command=self._as_typed())
+            file = write_fit(
+                folder,
+                photo,
+                fit,
+                size=size,
+                seed=seed,
+                command=self._as_typed(),
+                regions=regions,
+                fill=not self.no_fill,
+            )
         for line in _summary(self.photo, folder, file):
             print(line)
         return 0 if fit.ok else 1
 
     def _as_typed(self) -> str:
         flags = ["--no-perspective"] if self.no_perspective else []
+        flags += ["--no-fill"] if self.no_fill else []
         options = {
             "--mask": [self.mask] if self.mask else [],
             "--fix": self.fix,
             "--init": self.init,
+            "--tile-region": self.tile_region,
+            "--joint-region": self.joint_region,
+            "--regions": [self.regions] if self.regions else [],
             "--size": [self.size] if self.size else [],
             "--seed": [self.seed] if self.seed else [],
         }

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 class Floor:
     """Find the planks of a floor, a fence or parquet seen straight on, and fit wood to each of them.
 
-    Writes model.json, overlay.png (look at this one first), and the maps basecolor.png, height.exr, normal.png,
-    roughness.png and tile_id.exr (the planks' numbers). The exit status is 1 where the picture shows no planks of wood;
-    the best guess is written all the same.
+    Writes model.json, overlay.png (look at this one first), the maps basecolor.png, height.exr, normal.png,
+    roughness.png and tile_id.exr (the planks' numbers), and what planks are filled with, interiors.npz. The exit status
+    is 1 where the picture shows no planks of wood; the best guess is written all the same.
 
     Example: jaxtex fit floor floor.jpg -o floor
 
@@ -31,6 +31,8 @@ class Floor:
     """Another photograph, of one board: all planks are made of its wood, each cut elsewhere from the trunk."""
     size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint="")] = None
     """Size of the maps in pixels. By default that of the photograph."""
+    no_fill: Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help_behavior_hint="")] = False
+    """Leave planks with the rings of their model alone: two tones and fibres."""
     seed: int = 0
     """Of the turbulence, and of where planks are cut from the wood of another photograph."""
 
@@ -62,7 +64,7 @@ class Floor:
                 board = fit.wood
             with reporting("fitting the floor") as report:
                 floor = fit_floor(photo.pixels, wood=board, seed=seed, report=report)
-            write_floor_fit(folder, photo, floor, size=size, seed=seed)
+            write_floor_fit(folder, photo, floor, size=size, seed=seed, fill=not self.no_fill and other is None)
         for line in _summary(self.photo, folder, floor, self.wood):
             print(line)
         return 0 if floor.ok else 1

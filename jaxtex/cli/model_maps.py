@@ -3,13 +3,16 @@
 from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import jax
 
 from jaxtex.core.errors import InputError
 from jaxtex.material.appearance import Appearance, appearance_of
+from jaxtex.material.finish import finish_tiling
 from jaxtex.material.floor import render_floor
+from jaxtex.material.interior_files import interiors_of_planks, interiors_of_tiles
 from jaxtex.material.maps import render_maps
 from jaxtex.material.sheet import Sheet, lay_photographed_sheet
 from jaxtex.material.wood import render_wood
@@ -42,6 +45,8 @@ class SheetOptions(NamedTuple):
 
     Attributes:
         tiles, seamless, seed: as `jaxtex render` has them.
+        fill: whether tiles and joints are filled, where the file names interiors.
+        finishes: names of finishes by structure.
         seams_allowed: where no seamless maps can be made, to make others.
     """
 
@@ -49,6 +54,8 @@ class SheetOptions(NamedTuple):
     seamless: bool = False
     seed: int = 0
     seams_allowed: bool = False
+    fill: bool = True
+    finishes: Mapping[str, str] = MappingProxyType({})
 
 
 def open_maps(
@@ -76,7 +83,9 @@ def open_maps(
     image = file.image.width, file.image.height
     size = size or _at_most(longest, image)
     if isinstance(file, FloorFile):
-        bands: Iterator[NamedTuple] = render_floor(file.planks, image=image, size=size)
+        planks = interiors_of_planks(source, file) if options.fill else None
+        key = jax.random.key(options.seed)
+        bands: Iterator[NamedTuple] = render_floor(file.planks, image=image, size=size, interiors=planks, key=key)
         return ModelMaps(bands, size, image, f"{len(file.planks)} planks")
     bands = render_wood(file.wood, across=image[0], size=size)
     return ModelMaps(bands, size, (image[0], image[0] * size[1] / size[0]), "wood")
@@ -102,12 +111,13 @@ def _open_tiling(
     source: Path, file: TilingFile, size: tuple[int, int] | None, longest: int | None, options: SheetOptions
 ) -> ModelMaps:
     try:
-        appearance = appearance_of(file)
+        appearance = finish_tiling(appearance_of(file), options.finishes)
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
     sheet, reasons = _lay(file, appearance, options)
     size = size or _at_most(longest, sheet.natural_size)
-    bands = render_maps(sheet, appearance, size=size, key=jax.random.key(options.seed))
+    interiors = interiors_of_tiles(source, file) if options.fill else None
+    bands = render_maps(sheet, appearance, interiors=interiors, size=size, key=jax.random.key(options.seed))
     shown = f"{sheet.columns:g} x {sheet.rows} tiles"
     return ModelMaps(bands, size, (sheet.width, sheet.height), shown, sheet.seamless, sheet.changes + reasons)
 

@@ -7,14 +7,19 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 if TYPE_CHECKING:
+    from jaxtex.cli.model_maps import SheetOptions
     from jaxtex.models.files import TilingFile
     from jaxtex.models.floor_files import FloorFile
 
 
+Switch = Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help_behavior_hint="")]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Render:
-    """Make the material maps of a model file: basecolor.png, height.exr, normal.png, roughness.png and, of tilings
-    and floors, tile_id.exr. Of wood, a block of voxels (--block) or a carved mesh (--mesh) instead.
+    """Make the material maps of a model file: basecolor.png, height.exr, normal.png, roughness.png, of tilings
+    and floors tile_id.exr, and of tilings specular.png, metallic.png and occlusion.png. Of wood, a block of voxels
+    (--block) or a carved mesh (--mesh) instead.
 
     Of a tiling, courses come out horizontal, without perspective. Tiles that the photograph shows have their own
     colours; others get colours like these. Of wood, pixels are square, and maps taller than the photograph show more
@@ -37,10 +42,15 @@ class Render:
     tiles: Annotated[str | None, tyro.conf.arg(metavar="CxR", help_behavior_hint="")] = None
     """Tilings: how many tiles to show: columns (of mean length, where tiles differ) and rows. By default as many as the
     photograph."""
-    seamless: Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help_behavior_hint="")] = False
+    seamless: Switch = False
     """Tilings: make maps that repeat without a seam: whole periods of the bond, at least the tiles asked for."""
+    no_fill: Switch = False
+    """Leave tiles and joints flat, each of one colour; of floors, leave planks with the rings of their model alone."""
+    finish: Annotated[tuple[str, ...], tyro.conf.arg(metavar="PART=FINISH [...]", help_behavior_hint="")] = ()
+    """Tilings: what tiles and joints are finished with, such as tile=varnish joint=dull. Finishes are dull, satin,
+    varnish, wet and mirror."""
     seed: int = 0
-    """Tilings: of the colours of tiles that the photograph does not show."""
+    """Tilings: of the colours of tiles that the photograph does not show, and of interiors."""
     block: Annotated[str | None, tyro.conf.arg(metavar="DxHxW", help_behavior_hint="")] = None
     """Wood: make voxels.npz, a block of so many voxels (depth, height, width), each as large as a pixel of the
     photograph; its array 'voxels' [z, y, x, channel] holds linear colours as float32. The first slice is the
@@ -51,25 +61,27 @@ class Render:
 
     def run(self) -> int:
         from jaxtex.cli.render_wood import WoodTask, render_wood_file
-        from jaxtex.cli.values import check_seed, parse_block, parse_size, parse_tiles
+        from jaxtex.cli.values import check_seed, parse_block, parse_finishes, parse_size, parse_tiles
 
         size = None if self.size is None else parse_size("--size", self.size)
         tiles = None if self.tiles is None else parse_tiles("--tiles", self.tiles)
         block = None if self.block is None else parse_block("--block", self.block)
+        finishes = parse_finishes("--finish", self.finish)
         check_seed(self.seed)
 
-        from jaxtex.cli.model_maps import refuse
+        from jaxtex.cli.model_maps import SheetOptions, refuse
         from jaxtex.models.files import TilingFile, load_model
         from jaxtex.models.floor_files import FloorFile
 
         file = load_model(self.model)
         if isinstance(file, TilingFile):
             refuse(self.model, {"--block": block, "--mesh": self.mesh}, "a tiling; it is for wood")
-            self._render_tiling(file, size, tiles)
+            options = SheetOptions(tiles, self.seamless, self.seed, fill=not self.no_fill, finishes=finishes)
+            self._render_tiling(file, size, options)
         elif isinstance(file, FloorFile):
             refuse(self.model, {"--tiles": tiles, "--seamless": self.seamless or None}, "a floor")
             refuse(self.model, {"--block": block, "--mesh": self.mesh}, "a floor")
-            self._render_floor(file, size)
+            self._render_floor(file, size, fill=not self.no_fill)
         else:
             refuse(self.model, {"--tiles": tiles, "--seamless": self.seamless or None}, "wood, which has no tiles")
             render_wood_file(file, self.output, WoodTask(size=size, block=block, mesh=self.mesh))
@@ -77,23 +89,25 @@ class Render:
             print(f"  note: this model is a best guess; its fit did not succeed: {file.report['reason']}")
         return 0
 
-    def _render_floor(self, file: "FloorFile", size: tuple[int, int] | None) -> None:
+    def _render_floor(self, file: "FloorFile", size: tuple[int, int] | None, *, fill: bool) -> None:
         from jaxtex.cli.results_floor import write_floor_maps
         from jaxtex.io.files import prepare_folder
+        from jaxtex.material.interior_files import interiors_of_planks
 
         width, height = size or (file.image.width, file.image.height)
+        interiors = interiors_of_planks(self.model, file) if fill else None
         folder = prepare_folder(self.output)
-        write_floor_maps(folder, file, size=(width, height))
+        write_floor_maps(folder, file, interiors, size=(width, height))
         print(f"{folder}: maps of {width} x {height} pixels, {len(file.planks)} planks")
 
-    def _render_tiling(self, file: "TilingFile", size: tuple[int, int] | None, tiles: tuple[int, int] | None) -> None:
-        from jaxtex.cli.model_maps import SheetOptions, open_maps
+    def _render_tiling(self, file: "TilingFile", size: tuple[int, int] | None, options: "SheetOptions") -> None:
+        from jaxtex.cli.model_maps import open_maps
         from jaxtex.cli.progress import progress
         from jaxtex.io.files import prepare_folder
         from jaxtex.material.bands import count_bands
         from jaxtex.material.export import write_maps
 
-        maps = open_maps(self.model, file, size=size, options=SheetOptions(tiles, self.seamless, self.seed))
+        maps = open_maps(self.model, file, size=size, options=options)
         (width, height), (along, across) = maps.size, maps.extent
         folder = prepare_folder(self.output)
         write_maps(folder, progress(maps.bands, "rendering maps", total=count_bands(maps.size)), size=maps.size)

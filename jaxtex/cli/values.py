@@ -109,6 +109,55 @@ def parse_block(option: str, word: str) -> tuple[int, int, int]:
     return int(match[1]), int(match[2]), int(match[3])
 
 
+def parse_rectangle(option: str, word: str) -> tuple[float, float, float, float]:
+    """Read "X,Y,WxH" in pixels as (x, y, width, height): the upper left corner, and the size.
+
+    Args:
+        option: the option's name, for the complaint.
+        word: what the user typed.
+
+    Raises:
+        InputError: the word is no such rectangle, or an empty one.
+
+    Examples:
+        >>> parse_rectangle("--region", "10,20.5,64x32")
+        (10.0, 20.5, 64.0, 32.0)
+    """
+    number = r"\s*([-+]?(?:\d+\.?\d*|\.\d+))\s*"
+    match = re.fullmatch(f"{number},{number},{number}[x×]{number}", word, re.IGNORECASE)
+    if not match:
+        raise InputError(f"{option}: '{word}' is no rectangle; write X,Y,WxH in pixels, such as 120,80,64x32")
+    x, y, width, height = map(float, match.groups())
+    if min(width, height) <= 0:
+        raise InputError(f"{option}: '{word}' is empty; width and height must be more than 0")
+    return x, y, width, height
+
+
+def parse_finishes(option: str, words: Sequence[str]) -> dict[str, str]:
+    """Read words of the form "structure=finish".
+
+    Args:
+        option: the option's name, for the complaint.
+        words: what the user typed.
+
+    Raises:
+        InputError: a word is not of that form, or a structure comes twice.
+
+    Examples:
+        >>> parse_finishes("--finish", ["tile=varnish", "joint=dull"])
+        {'tile': 'varnish', 'joint': 'dull'}
+    """
+    finishes: dict[str, str] = {}
+    for word in words:
+        match = re.fullmatch(r"\s*(\w+)\s*=\s*(\w+)\s*", word)
+        if not match:
+            raise InputError(f"{option}: '{word}' gives no structure a finish; write structure=finish, as tile=varnish")
+        if match[1] in finishes:
+            raise InputError(f"{option}: {match[1]} is given twice; give it once")
+        finishes[match[1]] = match[2]
+    return finishes
+
+
 def parse_colour(option: str, word: str) -> tuple[float, float, float]:
     """Read "#rrggbb" (or "#rgb"), as colour pickers show it, as sRGB values from 0 to 1, still encoded.
 

@@ -1,28 +1,24 @@
 """What the tiles and joints of a tiling look like, apart from where they are."""
 
 import dataclasses
-import math
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 from jax import Array
 
 from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
 from jaxtex.core.errors import InputError
-from jaxtex.material.patterns import ONE_CLASS, Pattern, class_of
+from jaxtex.material.draw import STRONGEST, draw_tiles
+from jaxtex.material.patterns import ONE_CLASS, Pattern
 from jaxtex.models.files import ModelFile, need_tiling
 from jaxtex.models.tiling import Tiling
 
 Place = tuple[int, int]
 
 _DEPTH = 0.4  # of the mortar's thickness: joints of brickwork are struck back by 3 to 5 mm of 10
-_JITTER = 0.2  # how far drawn colours stray from the seen ones, in standard deviations of all seen ones
-_EDGE = 1 / 512  # black and white as drawn colours see them: half a step of 8 bits inside
 
 
 @dataclasses.dataclass(frozen=True)
@@ -33,81 +29,64 @@ class Appearance:
         tiles: colour of each tile that was seen, by (course, tile): linear light, quantised to 8 bits of sRGB.
         joint: colour of the joints, likewise.
         pattern: which tiles share a class of colours, as `choose_pattern` has it.
+        neighbours: how alike tiles are that lie side by side in a course, and that have one number in courses one
+            above the other: rank correlations, -0.7 to 0.7.
+        trend: what colours change by from course to course, in the logits of sRGB values.
         joint_depth: how far the joints lie below the tiles' faces, in plane pixels, >= 0.
         edge_width: how far the rounding of a tile's edge reaches into its face, in plane pixels, >= 0.
-        tile_roughness, joint_roughness: 0 (mirror) to 1 (dull), the square root of GGX's alpha. A photograph does not
-            show depth, edges and roughness: they are chosen, and can be edited in the model file.
+        tile_bump, joint_bump: how uneven faces and joints are: the root mean square of their slopes, >= 0.
+        tile_roughness, joint_roughness: 0 (mirror) to 1 (dull), the square root of GGX's alpha.
+        tile_specular, joint_specular: how strongly a surface that is no metal reflects, 0 to 1; 0.5 stands for 4 % seen
+            straight on, 1 for 8 %.
+        tile_metallic, joint_metallic: 0 (stone, glazing, wood) or 1 (a metal, a mirror).
+
+    A photograph does not show depth, edges, roughness and what follows: they are chosen, and can be edited in the model
+    file.
     """
 
     tiles: Mapping[Place, tuple[float, float, float]]
     joint: tuple[float, float, float]
     pattern: Pattern = ONE_CLASS
+    neighbours: tuple[float, float] = (0.0, 0.0)
+    trend: tuple[float, float, float] = (0.0, 0.0, 0.0)
     joint_depth: float = 0.0
     edge_width: float = 0.0
+    tile_bump: float = 0.0
+    joint_bump: float = 0.0
     tile_roughness: float = 0.6
     joint_roughness: float = 0.9
+    tile_specular: float = 0.5
+    joint_specular: float = 0.5
+    tile_metallic: float = 0.0
+    joint_metallic: float = 0.0
 
     def colours(self, course: npt.ArrayLike, tile: npt.ArrayLike, *, key: Array) -> npt.NDArray[np.float32]:
-        """The colour of each tile, linear light, [..., 3]: its own where it was seen, drawn where not.
-
-        A drawn colour depends on the key and the tile alone, whatever else is asked for. It is one of the colours seen
-        on tiles of its class, strayed from by a fifth of their standard deviation and shrunk so that mean and
-        covariance stay those of the class (the smoothed bootstrap; B. Silverman, Density Estimation, 1986, section
-        6.4.1). This happens in the logit of sRGB values, so that no colour leaves the range; a set of few odd colours
-        stays such a set.
+        """The colour of each tile, linear light, [..., 3]: its own where it was seen, drawn where not, as `draw_tiles`
+        has it.
 
         Args:
             course, tile: integer numbers of the tiles, of one shape.
             key: random key.
 
         Examples:
+            >>> import jax
             >>> plain = Appearance(tiles={(0, 0): (0.5, 0.2, 0.1)}, joint=(0.6, 0.6, 0.6))
             >>> plain.colours([0, 1], [0, 0], key=jax.random.key(0)).round(2)
             array([[0.5, 0.2, 0.1],
                    [0.5, 0.2, 0.1]], dtype=float32)
         """
-        course, tile = np.broadcast_arrays(np.asarray(course, dtype=np.int64), np.asarray(tile, dtype=np.int64))
-        flat = [pad_table(part.ravel()) for part in (class_of(self.pattern, course, tile), course, tile)]
-        drawn = np.asarray(_draw_all(*self._palettes(), *flat, key))[: course.size]
-        own = np.array(list(self.tiles))
-        numbers, order = np.unique(_one_number(own[:, 0], own[:, 1]), return_index=True)
-        asked = _one_number(course.ravel(), tile.ravel())
-        found = np.minimum(np.searchsorted(numbers, asked), len(numbers) - 1)
-        seen = np.array(list(self.tiles.values()), dtype=np.float32)[order[found]]
-        return np.where((numbers[found] == asked)[:, None], seen, drawn).reshape(*course.shape, 3)
-
-    def _palettes(self) -> tuple[npt.NDArray[np.float32], ...]:
-        """For each class: logits of the colours seen (padded), how many they are, a root of their covariance."""
-        places = np.array(list(self.tiles))
-        seen = _to_logit(np.array(list(self.tiles.values())))
-        label = class_of(self.pattern, *places.T)
-        groups = [seen[label == k] if (label == k).any() else seen for k in range(1 + max(map(max, self.pattern)))]
-        longest = max(map(len, groups))
-        padded = np.stack([pad_table(np.pad(group, [(0, longest - len(group)), (0, 0)])) for group in groups])
-        roots = np.stack([_covariance_root(group) for group in groups])
-        return padded.astype(np.float32), np.array([len(group) for group in groups], np.int32), roots.astype(np.float32)
+        return draw_tiles(self, course, tile, key=key).colour
 
     def to_json(self) -> dict[str, Any]:
         """As plain JSON values; colours as sRGB hexadecimal, tiles not seen as null."""
         return {
             "joint": _to_hex(self.joint),
             "pattern": [list(row) for row in self.pattern],
-            "joint_depth": self.joint_depth,
-            "edge_width": self.edge_width,
-            "tile_roughness": self.tile_roughness,
-            "joint_roughness": self.joint_roughness,
+            "neighbours": list(self.neighbours),
+            "trend": list(self.trend),
+            **{name: getattr(self, name) for name in _NUMBERS},
             "tiles": list(_courses_to_json(self.tiles)),
         }
-
-
-def pad_table(table: npt.NDArray) -> npt.NDArray:
-    """A table with zeros after it, up to a power of four: tables of about one length share compiled code."""
-    length = 4 ** math.ceil(math.log(len(table), 4))
-    return np.pad(table, [(0, length - len(table))] + [(0, 0)] * (table.ndim - 1))
-
-
-def _one_number(course: npt.NDArray[np.int64], tile: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    return course * 2**32 + tile
 
 
 def choose_relief(tiling: Tiling) -> tuple[float, float]:
@@ -153,11 +132,14 @@ def appearance_from_json(data: Mapping[str, Any]) -> Appearance:
         True
     """
     try:
-        values = {name: _number(data, name, top) for name, top in _NUMBERS.items()}
+        # What no older file has is as a plain appearance has it.
+        values = {name: _number(data, name, top) for name, top in _NUMBERS.items() if name in data}
         return Appearance(
             tiles=_courses_from_json(data["tiles"]),
             joint=_from_hex(data["joint"]),
             pattern=_check_pattern(data),
+            neighbours=_numbers(data, "neighbours", 2, STRONGEST),
+            trend=_numbers(data, "trend", 3, 10.0),
             **values,
         )
     except KeyError as error:
@@ -166,7 +148,19 @@ def appearance_from_json(data: Mapping[str, Any]) -> Appearance:
         raise InputError("appearance: is not laid out as model files are; fit the photograph again") from None
 
 
-_NUMBERS = {"joint_depth": 1e9, "edge_width": 1e9, "tile_roughness": 1.0, "joint_roughness": 1.0}
+# The greatest value of each number.
+_NUMBERS = {
+    "joint_depth": 1e9,
+    "edge_width": 1e9,
+    "tile_bump": 10.0,
+    "joint_bump": 10.0,
+    "tile_roughness": 1.0,
+    "joint_roughness": 1.0,
+    "tile_specular": 1.0,
+    "joint_specular": 1.0,
+    "tile_metallic": 1.0,
+    "joint_metallic": 1.0,
+}
 
 
 def _number(data: Mapping[str, Any], name: str, top: float) -> float:
@@ -174,6 +168,14 @@ def _number(data: Mapping[str, Any], name: str, top: float) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= top:
         raise InputError(f"appearance: {name} must be a number from 0 to {top:g}, not {value!r}")
     return float(value)
+
+
+def _numbers(data: Mapping[str, Any], name: str, count: int, top: float) -> tuple[Any, ...]:
+    values = data.get(name, [0.0] * count)
+    right = isinstance(values, list) and len(values) == count
+    if not right or not all(isinstance(value, int | float) and abs(value) <= top for value in values):
+        raise InputError(f"appearance: {name} must be {count} numbers from {-top:g} to {top:g}, not {values!r}")
+    return tuple(map(float, values))
 
 
 def _check_pattern(data: Mapping[str, Any]) -> Pattern:
@@ -224,34 +226,3 @@ def _from_hex(text: str) -> tuple[float, float, float]:
     encoded = np.array([int(text[at : at + 2], 16) for at in (1, 3, 5)]) / 255
     red, green, blue = srgb_to_linear(encoded).tolist()
     return red, green, blue
-
-
-def _to_logit(linear: npt.NDArray[np.floating]) -> npt.NDArray[np.floating]:
-    encoded = np.clip(linear_to_srgb(np.clip(linear, 0, 1)), _EDGE, 1 - _EDGE)
-    return np.log(encoded / (1 - encoded))
-
-
-def _covariance_root(values: npt.NDArray[np.floating]) -> npt.NDArray[np.floating]:
-    """A such that A^T A is the covariance; colours of fewer dimensions (greys) stay there."""
-    scale, axes = np.linalg.eigh(np.cov(values.T, bias=True))
-    return np.sqrt(np.clip(scale, 0, None))[:, None] * axes.T
-
-
-@jax.jit
-def _draw_all(
-    palettes: Array, counts: Array, roots: Array, label: Array, course: Array, tile: Array, key: Array
-) -> Array:
-    """Colours of all tiles, linear light, [tile, 3]."""
-    means = palettes.sum(axis=1) / counts[:, None]
-
-    def draw(label: Array, course: Array, tile: Array) -> Array:
-        # All that chance decides in one draw, as random bits are what takes long to compile.
-        own_key = jax.random.fold_in(jax.random.fold_in(key, course), tile)
-        chance = jax.random.uniform(own_key, (4,), minval=1e-6)
-        pick = jnp.minimum((chance[0] * counts[label]).astype(int), counts[label] - 1)
-        normal = jax.scipy.special.ndtri(chance[1:])
-        strayed = palettes[label, pick] - means[label] + _JITTER * (normal @ roots[label])
-        logit = means[label] + strayed / jnp.sqrt(1 + _JITTER**2)
-        return srgb_to_linear(jax.nn.sigmoid(logit))
-
-    return jax.vmap(draw)(label, course, tile)

@@ -34,6 +34,9 @@ _FILES = (
     _MapFile("height.exr", "height", 1, "data"),
     _MapFile("normal.png", "normal", 3, "data", encode_normals),
     _MapFile("roughness.png", "roughness", 1, "data"),
+    _MapFile("specular.png", "specular", 1, "data"),
+    _MapFile("metallic.png", "metallic", 1, "data"),
+    _MapFile("occlusion.png", "occlusion", 1, "data"),
     _MapFile("tile_id.exr", "tile_id", 1, "data"),
 )
 
@@ -46,7 +49,7 @@ def write_maps(
 ) -> list[Path]:
     """Write maps as they are rendered: base colour as sRGB, everything else as data.
 
-    Height and ids are floats (EXR); colour, normals and roughness are 8-bit PNG, normals as 0.5 n + 0.5. The files
+    Height and ids are floats (EXR); the others are 8-bit PNG, normals as 0.5 n + 0.5. The files
     appear when all rows are there; until then, and if something fails, older ones stay.
 
     Args:

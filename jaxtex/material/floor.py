@@ -3,11 +3,16 @@
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
+from jax import Array
 
-from jaxtex.material.bands import BAND, check_sides
+from jaxtex.core.colour import srgb_to_linear
+from jaxtex.material.bands import BAND, check_sides, normals_of
 from jaxtex.material.overlay import paint_lines
+from jaxtex.material.plank_filling import PlankFilling, fill_planks
+from jaxtex.material.planks import PlankInteriors, without_fibres
 from jaxtex.material.wood import look_at_plank
 from jaxtex.models.floor_files import PlacedWood
 
@@ -29,19 +34,46 @@ class FloorMaps(NamedTuple):
     tile_id: npt.NDArray[np.float32]
 
 
-def render_floor(planks: Sequence[PlacedWood], *, image: tuple[int, int], size: tuple[int, int]) -> Iterator[FloorMaps]:
+def render_floor(
+    planks: Sequence[PlacedWood],
+    *,
+    image: tuple[int, int],
+    size: tuple[int, int],
+    interiors: PlankInteriors | None = None,
+    key: Array | None = None,
+) -> Iterator[FloorMaps]:
     """Render the maps of a floor as far as the photograph shows it, some rows at a time from top to bottom.
 
     Args:
         planks: as a model file of a floor has them.
         image: (width, height) of the photograph.
         size: (width, height) of the maps in pixels.
+        interiors: what planks look like beyond their rings. Without them each plank has rings, its own or such as the
+            others have, and two tones.
+        key: random key of the grain; needed where there are interiors.
 
     Raises:
         InputError: a size without pixels, or too large.
     """
     check_sides(size)
-    return (_render_rows(planks, image, size, first) for first in range(0, size[1], BAND))
+    return _render_bands(planks, image, size, interiors, key)
+
+
+def _render_bands(
+    planks: Sequence[PlacedWood],
+    image: tuple[int, int],
+    size: tuple[int, int],
+    interiors: PlankInteriors | None,
+    key: Array | None,
+) -> Iterator[FloorMaps]:
+    scale = image[0] / size[0], image[1] / size[1]
+    filling = None
+    if interiors is not None:
+        if key is None:
+            raise ValueError("a floor with interiors needs a random key")
+        filling = fill_planks(planks, interiors, pixel=scale, key=key)
+    for first in range(0, size[1], BAND):
+        yield _render_rows(planks, filling, scale, (first, min(BAND, size[1] - first), size[0]))
 
 
 def draw_planks(pixels: npt.NDArray[np.float32], planks: Sequence[PlacedWood]) -> npt.NDArray[np.float32]:
@@ -68,17 +100,45 @@ def draw_planks(pixels: npt.NDArray[np.float32], planks: Sequence[PlacedWood]) -
     return shown
 
 
-def _render_rows(planks: Sequence[PlacedWood], image: tuple[int, int], size: tuple[int, int], first: int) -> FloorMaps:
-    rows = min(BAND, size[1] - first)
-    scale = image[0] / size[0], image[1] / size[1]
-    y, x = (np.indices((rows, size[0])) + 0.5) * np.array([scale[1], scale[0]]).reshape(2, 1, 1)
-    y += first * scale[1]
-    maps = FloorMaps(
-        base_colour=np.zeros((rows, size[0], 3), np.float32),
-        height=np.full((rows, size[0]), -_DEEP, np.float32),
-        normal=np.tile(np.array([0, 0, 1], np.float32), (rows, size[0], 1)),
-        roughness=np.full((rows, size[0]), _ROUGH, np.float32),
-        tile_id=np.full((rows, size[0]), -1, np.float32),
+def _render_rows(
+    planks: Sequence[PlacedWood],
+    filling: PlankFilling | None,
+    scale: tuple[float, float],
+    band: tuple[int, int, int],
+) -> FloorMaps:
+    """Maps of a band: its first row, its rows and columns."""
+    first, rows, columns = band
+    # One pixel more on all sides, from which slopes are taken.
+    row, column = np.indices((rows + 2, columns + 2)) - 0.5
+    shown = _look(planks, filling, column * scale[0], (row + first) * scale[1], scale)
+    height = shown.height
+    slope_x = (height[1:-1, 2:] - height[1:-1, :-2]) / (2 * scale[0])
+    slope_y = (height[2:, 1:-1] - height[:-2, 1:-1]) / (2 * scale[1])
+    normal = np.asarray(normals_of(jnp.asarray(slope_x), jnp.asarray(slope_y)))
+    base_colour, height, roughness, tile_id = (each[1:-1, 1:-1] for each in shown)
+    return FloorMaps(base_colour, height, normal, roughness, tile_id)
+
+
+class _Seen(NamedTuple):
+    base_colour: npt.NDArray[np.float32]
+    height: npt.NDArray[np.float32]
+    roughness: npt.NDArray[np.float32]
+    tile_id: npt.NDArray[np.float32]
+
+
+def _look(
+    planks: Sequence[PlacedWood],
+    filling: PlankFilling | None,
+    x: npt.NDArray[np.float64],
+    y: npt.NDArray[np.float64],
+    scale: tuple[float, float],
+) -> _Seen:
+    """What points of the floor [row, col] show."""
+    seen = _Seen(
+        base_colour=np.zeros((*x.shape, 3), np.float32),
+        height=np.full(x.shape, -_DEEP, np.float32),
+        roughness=np.full(x.shape, _ROUGH, np.float32),
+        tile_id=np.full(x.shape, -1, np.float32),
     )
     for number, plank in enumerate(planks):
         inside = _depth_inside(plank.corners, x, y)
@@ -87,15 +147,19 @@ def _render_rows(planks: Sequence[PlacedWood], image: tuple[int, int], size: tup
             continue
         middle = plank.corners.mean(0)
         points = np.stack([x[here] - middle[0], y[here] - middle[1]], axis=1)
-        seen = look_at_plank(plank.wood, points, spot=_SPOT * max(scale))
         joint = np.clip((_JOINT - inside[here]) / _JOINT, 0, 1)[:, None].astype(np.float32)
+        rings = plank.wood if filling is None else without_fibres(plank.wood)
+        wood = look_at_plank(rings, points, spot=_SPOT * max(scale))
+        colour, height = wood.base_colour, wood.height
         dark = _DARK * np.asarray(plank.wood.late_rgb, np.float32)
-        maps.base_colour[here] = seen.base_colour + joint * (dark - seen.base_colour)
-        maps.height[here] = seen.height - joint[:, 0] * (_DEEP + seen.height)
-        maps.normal[here] = seen.normal
-        maps.roughness[here] = seen.roughness + joint[:, 0] * (_ROUGH - seen.roughness)
-        maps.tile_id[here] = number
-    return maps
+        if filling is not None:
+            colour, height = filling.finish(number, points, colour, height)
+            dark = srgb_to_linear(filling.joint)
+        seen.base_colour[here] = colour + joint * (dark - colour)
+        seen.height[here] = height - joint[:, 0] * (_DEEP + height)
+        seen.roughness[here] = wood.roughness + joint[:, 0] * (_ROUGH - wood.roughness)
+        seen.tile_id[here] = number
+    return seen
 
 
 def _depth_inside(corners: npt.NDArray[np.float64], x: npt.NDArray, y: npt.NDArray) -> npt.NDArray[np.float64]:

@@ -9,6 +9,7 @@ from jax import Array
 from jaxtex.core.colour import linear_to_srgb
 from jaxtex.core.errors import InputError
 from jaxtex.material.appearance import Appearance, Place, choose_relief, quantise
+from jaxtex.material.neighbours import measure_neighbours
 from jaxtex.material.patterns import choose_pattern
 from jaxtex.models.grids import on_grid
 from jaxtex.models.tiling import Tiling
@@ -56,12 +57,16 @@ def measure_appearance(pixels: npt.ArrayLike, tiling: Tiling, *, mask: npt.Array
     joint = _joint_colour(
         picture, np.asarray(seen.in_joint), np.zeros_like(evidence) if mask is None else evidence, tiles
     )
-    places, colours = np.array(list(tiles)), np.array(list(tiles.values()))
+    places, colours = np.array(list(tiles)), np.clip(list(tiles.values()), 0, 1)
+    pattern = choose_pattern(places[:, 0], places[:, 1], linear_to_srgb(colours))
+    neighbours, trend = measure_neighbours(places, colours, pattern)
     depth, edge = choose_relief(tiling)
     return Appearance(
         tiles=_thin(tiles),
         joint=joint,
-        pattern=choose_pattern(places[:, 0], places[:, 1], linear_to_srgb(np.clip(colours, 0, 1))),
+        pattern=pattern,
+        neighbours=neighbours,
+        trend=trend,
         joint_depth=depth,
         edge_width=edge,
     )

@@ -1,0 +1,169 @@
+"""What a sheet's tiles and joints are filled with, as tables that its maps look up."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+from jax import Array
+
+from jaxtex.core.colour import linear_to_srgb
+from jaxtex.material.appearance import Appearance
+from jaxtex.material.cells import tile_bounds
+from jaxtex.material.draw import pad_table
+from jaxtex.material.interiors import Interiors
+from jaxtex.material.sheet import Sheet, TileTable
+from jaxtex.material.stocks import choose_side, make_grain, make_wobble, relief_of
+
+
+class Filling(eqx.Module):
+    """Stocks of grain, and which piece of them each tile takes. Tables by tile are padded.
+
+    Attributes:
+        tile_stock: [kind, row, col, 5]: changes of sRGB-encoded colour; relief; wobble of the outline, both in plane
+            pixels.
+        joint_stock: [row, col, 4]: likewise, without wobble.
+        kind: which stock, [tile].
+        piece: what to add to a map's row and column to be at the stock's, [tile, 2].
+        joint_piece: likewise, for the joints above and to the left of the tile.
+        contrast: of the grain, [tile].
+        colour: sRGB-encoded, with what makes up for the piece's mean, [tile, 3].
+        joint: the joints' colour, sRGB-encoded, (3,).
+        shift: how far outside of the tiling's edges the tile ends, [tile, 4]: left, right, top, bottom.
+        tile_profile, joint_profile: as `Interiors` has them.
+        corner: of the sheet, (2,), in plane pixels.
+    """
+
+    tile_stock: Array
+    joint_stock: Array
+    kind: Array
+    piece: Array
+    joint_piece: Array
+    contrast: Array
+    colour: Array
+    joint: Array
+    shift: Array
+    tile_profile: Array
+    joint_profile: Array
+    corner: Array
+
+
+def make_filling(
+    sheet: Sheet,
+    table: TileTable,
+    appearance: Appearance,
+    interiors: Interiors,
+    drawn: tuple[npt.NDArray[np.float32], npt.NDArray[np.int32]],
+    *,
+    pixel: tuple[float, float],
+    key: Array,
+) -> Filling:
+    """Make the stocks for a sheet's maps, and give every tile its piece.
+
+    Args:
+        sheet, table: the sheet and its tiles.
+        appearance, interiors: of tiles and joints.
+        drawn: colours of the table's tiles, and which of the tiles seen each is like.
+        pixel: breadth and height of the maps' pixels in plane pixels.
+        key: random key. A tile's piece depends on it, the tile and the resolution alone.
+    """
+    keys = [jax.random.fold_in(key, purpose) for purpose in range(4)]
+    tiling = sheet.tiling
+    face = float(tiling.tile_height) / pixel[1], float(tiling.tile_width * np.max(tiling.course_lengths)) / pixel[0]
+    side = choose_side(*face)
+    wobble = make_wobble(interiors.wobble, interiors.wobble_length, pixel, side, key=keys[1])
+    stocks = []
+    for number, examples in enumerate(interiors.tile_grain):
+        grain = make_grain(examples, pixel, side, key=jax.random.fold_in(keys[0], number))
+        relief = relief_of(grain, examples, appearance.tile_bump)
+        stocks.append(np.concatenate([grain, relief[..., None], wobble[..., None]], axis=-1))
+    tile_stock = np.stack(stocks).astype(np.float32)
+    joint_side = min(side, 1024)
+    joint_grain = make_grain(interiors.joint_grain, pixel, joint_side, key=keys[2])
+    relief = relief_of(joint_grain, interiors.joint_grain, appearance.joint_bump)
+    like = _measured_like(appearance, interiors)[drawn[1].ravel()]
+    chance = _draw_pieces(keys[3], *(jnp.asarray(pad_table(part.ravel())) for part in (table.course, table.tile)))
+    chance = np.asarray(chance)[: table.course.size]
+    start, extent = _pixels_of_tiles(sheet, table, pixel)
+    first = np.floor(chance[:, :2] * np.maximum(side - extent + 1, 1)).astype(np.int64)
+    kind, contrast = interiors.kind[like], interiors.contrast[like]
+    missing = _mean_of_pieces(tile_stock[..., :3], kind, first, extent) - tile_stock[..., :3].mean(axis=(1, 2))[kind]
+    colour = linear_to_srgb(np.clip(drawn[0].reshape(-1, 3), 0, 1)) - contrast[:, None] * missing
+    joint_first = np.floor(chance[:, 2:] * joint_side).astype(np.int64)
+    tables = {
+        "kind": kind.astype(np.int32),
+        "piece": (first - start).astype(np.int32),
+        "joint_piece": (joint_first - start).astype(np.int32),
+        "contrast": contrast,
+        "colour": colour.astype(np.float32),
+        "shift": _shifts(interiors, like, table),
+    }
+    return Filling(
+        tile_stock=jnp.asarray(tile_stock),
+        joint_stock=jnp.asarray(np.concatenate([joint_grain, relief[..., None]], axis=-1), jnp.float32),
+        joint=jnp.asarray(linear_to_srgb(np.array(appearance.joint)), jnp.float32),
+        tile_profile=jnp.asarray(interiors.tile_profile),
+        joint_profile=jnp.asarray(interiors.joint_profile),
+        corner=jnp.asarray(sheet.corner, jnp.float32),
+        **{name: jnp.asarray(pad_table(values)) for name, values in tables.items()},
+    )
+
+
+def _measured_like(appearance: Appearance, interiors: Interiors) -> npt.NDArray[np.int_]:
+    """For each tile that was seen: which of those measured it is like: itself, or one of about its colour."""
+    number = {place: n for n, place in enumerate(map(tuple, interiors.places.tolist()))}
+    colours = linear_to_srgb(np.array(list(appearance.tiles.values())))
+    places = list(appearance.tiles)
+    measured = np.array([n for n, place in enumerate(places) if place in number])
+    nearest = np.argmin(np.square(colours[:, None] - colours[measured][None]).sum(axis=-1), axis=1)
+    return np.array(
+        [number.get(place, number[places[measured[near]]]) for place, near in zip(places, nearest, strict=True)]
+    )
+
+
+def _pixels_of_tiles(
+    sheet: Sheet, table: TileTable, pixel: tuple[float, float]
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """The map's pixel (row, col) in which each tile of the table begins, and how many it has: [tile, 2] each."""
+    numbers = table.first[:, None] + np.arange(table.tile.shape[1])
+    course = np.broadcast_to(np.arange(len(table.first))[:, None] + sheet.first_course - 1, numbers.shape)
+    left, right = (edge.ravel() for edge in tile_bounds(sheet.tiling, course, numbers))
+    top = course.ravel() * float(sheet.tiling.tile_height)
+    # What rounding puts a hair before a pixel's border is meant to be on it, at either end of a seamless sheet.
+    start = np.stack([(top - sheet.corner[1]) / pixel[1], (left - sheet.corner[0]) / pixel[0]], axis=-1)
+    extent = np.stack(
+        [np.full_like(left, float(sheet.tiling.tile_height) / pixel[1]), (right - left) / pixel[0]], axis=-1
+    )
+    return np.floor(start + 1e-3).astype(np.int64), np.ceil(extent).astype(np.int64)
+
+
+def _shifts(interiors: Interiors, like: npt.NDArray[np.int_], table: TileTable) -> npt.NDArray[np.float32]:
+    """Of all tiles of the table, [tile, 4]. The two sides of a joint between tiles are those of one joint measured, so
+    that joints are as thick as they were."""
+    number = {place: n for n, place in enumerate(map(tuple, interiors.places.tolist()))}
+    beside = [number.get((course, tile - 1), n) for (course, tile), n in number.items()]
+    shift = interiors.shift[like].reshape(*table.tile.shape, 4).copy()
+    shift[:, :-1, 1] = interiors.shift[beside, 1][like].reshape(table.tile.shape)[:, 1:]
+    return shift.reshape(-1, 4)
+
+
+def _mean_of_pieces(
+    stock: npt.NDArray[np.float32],
+    kind: npt.NDArray[np.int32],
+    first: npt.NDArray[np.int64],
+    extent: npt.NDArray[np.int64],
+) -> npt.NDArray[np.float64]:
+    """Mean colour of each tile's piece, [tile, 3]; of what the stock has, where tiles are larger."""
+    sums = np.pad(stock.astype(np.float64).cumsum(axis=1).cumsum(axis=2), [(0, 0), (1, 0), (1, 0), (0, 0)])
+    end = np.minimum(first + extent, stock.shape[1])
+    (top, left), (bottom, right) = first.T, end.T
+    total = sums[kind, bottom, right] - sums[kind, top, right] - sums[kind, bottom, left] + sums[kind, top, left]
+    return total / np.prod(end - first, axis=1)[:, None]
+
+
+@jax.jit
+def _draw_pieces(key: Array, course: Array, tile: Array) -> Array:
+    """Four numbers from 0 to 1 for each tile."""
+    return jax.vmap(lambda c, t: jax.random.uniform(jax.random.fold_in(jax.random.fold_in(key, c), t), (4,)))(
+        course, tile
+    )
