@@ -25,7 +25,7 @@ demo: $(VENV)/installed-run
 	$(BIN)/jaxtex demo -o demo
 	@echo "Open the report: $(CURDIR)/demo/report.html"
 
-test: $(VENV)/installed-test
+test: $(VENV)/installed-test $(VENV)/installed-validator
 	$(BIN)/python -m pytest -n $(WORKERS) --maxprocesses 8 --dist loadfile
 
 lint: $(VENV)/installed-dev
@@ -46,6 +46,13 @@ clean:
 $(VENV)/installed-run: EXTRAS :=
 $(VENV)/installed-test: EXTRAS := [test]
 $(VENV)/installed-dev: EXTRAS := [test,dev]
+
+# Khronos' validator of glTF, where there is npm; where there is not, pytest says that its tests are skipped.
+$(VENV)/installed-validator: | $(VENV)/made
+	@if ! command -v npm >/dev/null; then echo "There is no npm: files are not put to Khronos' glTF validator"; \
+	elif npm install --no-save --no-audit --no-fund --fetch-retries=0 --fetch-timeout=20000 --prefix $(VENV) \
+		gltf-validator@2.0.0-dev.3.10 >/dev/null 2>&1; then touch $@; \
+	else echo "npm did not get gltf-validator (no network?): files are not put to Khronos' glTF validator"; fi
 
 $(VENV)/installed-%: pyproject.toml | $(VENV)/made
 	@echo "Installing jaxtex and what it needs into $(VENV) (takes a minute or two, once)"

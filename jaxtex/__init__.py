@@ -5,7 +5,7 @@ The way of the data, one package per step::
     photograph -> photo    (mask: 1 = tile, 0 = joint)
                -> fitting  (start by FFT and scanlines, refined by least squares)
                -> models   (differentiable; evaluated at a point)
-               -> material (base colour, height, normal, roughness, ids at any resolution)
+               -> material (filled, as maps at any resolution; laid on walls and meshes)
                -> io       (files)
 
 `core` holds the mathematics they share, and `cli` puts them on the command line (`jaxtex --help`). All public names are
@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from jaxtex.core.errors import InputError as InputError
+    from jaxtex.core.pyramids import build_pyramid as build_pyramid
+    from jaxtex.core.pyramids import collapse_pyramid as collapse_pyramid
     from jaxtex.fitting.batch import fit_tiling_masks as fit_tiling_masks
     from jaxtex.fitting.floor import FloorFit as FloorFit
     from jaxtex.fitting.floor import FloorPlank as FloorPlank
@@ -26,25 +28,46 @@ if TYPE_CHECKING:
     from jaxtex.fitting.tiling import fit_tiling as fit_tiling
     from jaxtex.fitting.wood import WoodFit as WoodFit
     from jaxtex.fitting.wood import fit_wood as fit_wood
+    from jaxtex.io.gltf import MaterialImages as MaterialImages
+    from jaxtex.io.gltf import write_glb as write_glb
     from jaxtex.io.images import Image as Image
     from jaxtex.io.images import read_image as read_image
     from jaxtex.io.images import write_image as write_image
     from jaxtex.io.masks import read_mask as read_mask
     from jaxtex.io.masks import write_mask as write_mask
     from jaxtex.io.meshes import Mesh as Mesh
+    from jaxtex.io.meshes import TexturedMesh as TexturedMesh
+    from jaxtex.io.meshes import floor_mesh as floor_mesh
     from jaxtex.io.meshes import read_mesh as read_mesh
+    from jaxtex.io.meshes import read_textured_mesh as read_textured_mesh
+    from jaxtex.io.meshes import wall_mesh as wall_mesh
     from jaxtex.io.meshes import write_mesh as write_mesh
     from jaxtex.io.voxels import write_voxels as write_voxels
+    from jaxtex.material.adjacent import Layout as Layout
+    from jaxtex.material.adjacent import lay_adjacent as lay_adjacent
+    from jaxtex.material.adjacent import lay_tiling as lay_tiling
+    from jaxtex.material.adjacent import polygon_mesh as polygon_mesh
     from jaxtex.material.appearance import Appearance as Appearance
     from jaxtex.material.appearance import appearance_of as appearance_of
     from jaxtex.material.export import write_maps as write_maps
+    from jaxtex.material.finish import finish_tiling as finish_tiling
     from jaxtex.material.floor import FloorMaps as FloorMaps
     from jaxtex.material.floor import render_floor as render_floor
+    from jaxtex.material.interior_files import interiors_of_planks as interiors_of_planks
+    from jaxtex.material.interior_files import interiors_of_tiles as interiors_of_tiles
+    from jaxtex.material.interior_files import write_interiors as write_interiors
+    from jaxtex.material.interiors import Interiors as Interiors
+    from jaxtex.material.interiors import measure_interiors as measure_interiors
     from jaxtex.material.maps import Maps as Maps
     from jaxtex.material.maps import render_maps as render_maps
     from jaxtex.material.measure import measure_appearance as measure_appearance
+    from jaxtex.material.mismatch import measure_mismatch as measure_mismatch
     from jaxtex.material.overlay import draw_overlay as draw_overlay
+    from jaxtex.material.packing import pack_maps as pack_maps
+    from jaxtex.material.planks import PlankInteriors as PlankInteriors
+    from jaxtex.material.planks import measure_planks as measure_planks
     from jaxtex.material.preview import shade_maps as shade_maps
+    from jaxtex.material.regions import Regions as Regions
     from jaxtex.material.rings import draw_rings as draw_rings
     from jaxtex.material.sheet import Sheet as Sheet
     from jaxtex.material.sheet import lay_photographed_sheet as lay_photographed_sheet
@@ -85,6 +108,9 @@ if TYPE_CHECKING:
     from jaxtex.photo.segment import colour_mask as colour_mask
     from jaxtex.photo.segment import pick_colours as pick_colours
     from jaxtex.photo.segment import threshold_mask as threshold_mask
+    from jaxtex.synthesis.heeger_bergen import TextureStatistics as TextureStatistics
+    from jaxtex.synthesis.heeger_bergen import analyse_texture as analyse_texture
+    from jaxtex.synthesis.heeger_bergen import synthesise_texture as synthesise_texture
 
 __version__ = "0.1.0"
 
@@ -102,6 +128,12 @@ _PUBLIC = {
     "Mesh": "jaxtex.io.meshes",
     "read_mesh": "jaxtex.io.meshes",
     "write_mesh": "jaxtex.io.meshes",
+    "TexturedMesh": "jaxtex.io.meshes",
+    "read_textured_mesh": "jaxtex.io.meshes",
+    "wall_mesh": "jaxtex.io.meshes",
+    "floor_mesh": "jaxtex.io.meshes",
+    "MaterialImages": "jaxtex.io.gltf",
+    "write_glb": "jaxtex.io.gltf",
     "write_voxels": "jaxtex.io.voxels",
     # photograph -> mask
     "rectify": "jaxtex.photo.rectify",
@@ -145,15 +177,36 @@ _PUBLIC = {
     "canonical_wood": "jaxtex.models.wood_files",
     "wood_parameters": "jaxtex.models.wood_files",
     "wood_from_parameters": "jaxtex.models.wood_files",
+    # exemplar -> more of it
+    "build_pyramid": "jaxtex.core.pyramids",
+    "collapse_pyramid": "jaxtex.core.pyramids",
+    "analyse_texture": "jaxtex.synthesis.heeger_bergen",
+    "TextureStatistics": "jaxtex.synthesis.heeger_bergen",
+    "synthesise_texture": "jaxtex.synthesis.heeger_bergen",
     # model -> material
     "measure_appearance": "jaxtex.material.measure",
     "Appearance": "jaxtex.material.appearance",
     "appearance_of": "jaxtex.material.appearance",
+    "finish_tiling": "jaxtex.material.finish",
+    "Regions": "jaxtex.material.regions",
+    "measure_interiors": "jaxtex.material.interiors",
+    "Interiors": "jaxtex.material.interiors",
+    "write_interiors": "jaxtex.material.interior_files",
+    "interiors_of_tiles": "jaxtex.material.interior_files",
+    "measure_planks": "jaxtex.material.planks",
+    "PlankInteriors": "jaxtex.material.planks",
+    "interiors_of_planks": "jaxtex.material.interior_files",
     "Sheet": "jaxtex.material.sheet",
     "lay_sheet": "jaxtex.material.sheet",
     "lay_photographed_sheet": "jaxtex.material.sheet",
     "Maps": "jaxtex.material.maps",
     "render_maps": "jaxtex.material.maps",
+    "pack_maps": "jaxtex.material.packing",
+    "lay_tiling": "jaxtex.material.adjacent",
+    "lay_adjacent": "jaxtex.material.adjacent",
+    "Layout": "jaxtex.material.adjacent",
+    "measure_mismatch": "jaxtex.material.mismatch",
+    "polygon_mesh": "jaxtex.material.adjacent",
     "WoodMaps": "jaxtex.material.wood",
     "render_wood": "jaxtex.material.wood",
     "render_points": "jaxtex.material.wood",
