@@ -1,0 +1,1 @@
+"""From a picture of a texture to more of it."""
