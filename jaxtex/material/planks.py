@@ -99,8 +99,8 @@ def measure_planks(pixels: npt.ArrayLike, planks: Sequence[PlacedWood]) -> Plank
     """
     picture = check_picture(pixels)
     encoded = linear_to_srgb(np.clip(np.broadcast_to(picture, (*picture.shape[:2], 3)), 0, 1)).astype(np.float32)
-    turned = np.array([_fibres_across(_cut(encoded, plank, turned=False)) for plank in planks])
-    pieces = [_cut(encoded, plank, turned=bool(turn)) for plank, turn in zip(planks, turned, strict=True)]
+    turned = np.array([_fibres_across(cut_plank(encoded, plank, turned=False)) for plank in planks])
+    pieces = [cut_plank(encoded, plank, turned=bool(turn)) for plank, turn in zip(planks, turned, strict=True)]
     shown = [n for n, piece in enumerate(pieces) if piece is not None and min(piece.values.shape[:2]) >= _FEWEST]
     if not shown:
         return None
@@ -131,7 +131,7 @@ def measure_planks(pixels: npt.ArrayLike, planks: Sequence[PlacedWood]) -> Plank
     )
 
 
-class _Piece(NamedTuple):
+class Piece(NamedTuple):
     """A piece of a plank laid upright, [row along, col across, channel]; its points in the photograph; how far inside
     of the long sides its columns are."""
 
@@ -145,7 +145,12 @@ def without_fibres(wood: Wood) -> Wood:
     return dataclasses.replace(wood, fibres=None)
 
 
-def _cut(picture: npt.NDArray[np.float32], plank: PlacedWood, *, turned: bool) -> _Piece | None:
+def cut_plank(picture: npt.NDArray[np.float32], plank: PlacedWood, *, turned: bool) -> Piece | None:
+    """What a picture [row, col, channel] shows of a plank, laid upright; None where it shows nothing.
+
+    Args:
+        turned: whether fibres run along the plank's shorter side.
+    """
     frame = frame_of(plank, turned=turned)
     margin = min(_MARGIN, 0.1 * frame.half[0])
     u = np.arange(-frame.half[0] + margin, frame.half[0] - margin) + 0.5
@@ -163,17 +168,17 @@ def _cut(picture: npt.NDArray[np.float32], plank: PlacedWood, *, turned: bool) -
     at = points[..., ::-1].transpose(2, 0, 1) - 0.5
     values = [map_coordinates(channel, at, order=3, mode="mirror") for channel in np.moveaxis(picture, 2, 0)]
     inside = (frame.half[0] - np.abs(u[columns])).astype(np.float32)
-    return _Piece(np.stack(values, axis=-1).astype(np.float32), points, inside)
+    return Piece(np.stack(values, axis=-1).astype(np.float32), points, inside)
 
 
-def _rings_of(plank: PlacedWood, piece: _Piece) -> npt.NDArray[np.float32]:
+def _rings_of(plank: PlacedWood, piece: Piece) -> npt.NDArray[np.float32]:
     """The colours of a plank's rings where the piece shows it, sRGB-encoded."""
     points = piece.points.reshape(-1, 2) - plank.corners.mean(axis=0)
     colour = look_at_plank(without_fibres(plank.wood), points, spot=_SPOT).base_colour
     return linear_to_srgb(np.clip(colour, 0, 1)).reshape(piece.values.shape).astype(np.float32)
 
 
-def _profile(pieces: Sequence[_Piece], rest: Sequence[npt.NDArray[np.float32]]) -> npt.NDArray[np.float32]:
+def _profile(pieces: Sequence[Piece], rest: Sequence[npt.NDArray[np.float32]]) -> npt.NDArray[np.float32]:
     """What colours change by towards the long sides, [pixel from the side inwards, channel]; it ends at 0."""
     breadth = 2 * float(np.median([piece.inside.max() for piece in pieces]))
     reach = int(np.clip(round(_REACH[0] * breadth), *_REACH[1:]))
@@ -201,7 +206,7 @@ def _grain(pieces: Sequence[npt.NDArray[np.float32]]) -> PlankGrain:
     return PlankGrain(stack_regions([piece for piece in short if min(piece.shape[:2]) >= 2] or short), squeezed)
 
 
-def _fibres_across(piece: _Piece | None) -> bool:
+def _fibres_across(piece: Piece | None) -> bool:
     """Whether light changes less across a piece than along it, by more than chance."""
     if piece is None or min(piece.values.shape[:2]) < 2:
         return False

@@ -76,6 +76,11 @@ class Sheet:
         """(width, height) in pixels of maps that are as large as the tiles are in the photograph."""
         return max(1, round(self.width)), max(1, round(self.height))
 
+    def as_picture(self) -> Tiling:
+        """The tiling as maps of natural size show it: a picture whose upper left corner is the sheet's."""
+        leaves: dict[str, Any] = {"origin": -np.array(self.corner)}
+        return dataclasses.replace(self.tiling, **leaves)
+
     @property
     def first_course(self) -> int:
         """Number of the uppermost course."""
