@@ -10,7 +10,8 @@ from jaxtex.io.images import write_image
 from jaxtex.models.files import load_model
 from jaxtex.models.floor_files import FloorFile
 
-FILES = {"model.json", "overlay.png", "basecolor.png", "height.exr", "normal.png", "roughness.png", "tile_id.exr"}
+MAPS = {"basecolor.png", "height.exr", "normal.png", "roughness.png", "tile_id.exr"}
+FILES = {"model.json", "interiors.npz", "overlay.png", *MAPS}
 
 
 @pytest.fixture(scope="module")
