@@ -3,7 +3,7 @@
 It is a tight frame: analysis and synthesis use the same filters, whose squares sum to one at every frequency. Filters
 are applied in the Fourier domain, so pictures go on periodically beyond their border, and coarser sub-bands are
 subsampled by cropping their spectra, which are zero beyond what is kept: nothing aliases, and reconstruction is exact
-for pictures of any size, odd ones included, and of any number of dimensions.
+for pictures of any size, odd ones included, in one to three dimensions.
 
 E. P. Simoncelli and W. T. Freeman, "The steerable pyramid: a flexible architecture for multi-scale derivative
 computation", ICIP 1995; filters as in J. Portilla and E. P. Simoncelli, "A parametric texture model based on joint
@@ -56,7 +56,7 @@ def build_pyramid(image: ArrayLike, *, scales: int, orientations: int) -> Steera
     Sub-band k of K has its filter's axis at k·180/K degrees from x towards y: the first answers to vertical edges.
 
     Args:
-        image: float array of any size; two dimensions, or any number where `orientations` is 1.
+        image: float array of any size; two dimensions, or one to three where `orientations` is 1.
         scales: number of octaves that are split into orientations; at most `most_scales`.
         orientations: number K of sub-bands per scale. With 1, they are isotropic.
 

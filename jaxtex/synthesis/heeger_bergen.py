@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
-from jaxtex.core.histograms import match_histogram, quantile_table
+from jaxtex.core.histograms import match_histogram, quantile_table, table_variance
 from jaxtex.core.pyramids import (
     Shape,
     SteerableFilters,
@@ -29,6 +29,10 @@ from jaxtex.core.pyramids import (
     design_filters,
     even_directions,
 )
+
+CAP = 1.0
+# Of a texture as strong in every octave, the highpass residual holds 0.66 octaves, corners of the spectrum included.
+_HIGHPASS = 0.81
 
 
 class TextureStatistics(eqx.Module):
@@ -214,5 +218,49 @@ def _principal_axes(pixels: npt.NDArray[np.float32]) -> tuple[npt.NDArray[np.flo
 
 
 def extrapolate_finer(statistics: TextureStatistics, octaves: int) -> TextureStatistics:
-    """The statistics of the same texture seen at 2^octaves times the resolution."""
-    raise NotImplementedError
+    """The statistics of the same texture seen at 2^octaves times the resolution.
+
+    What the exemplar shows keeps its place in the world: its finest scale becomes scale `octaves`. The new scales are
+    that one again, orientation by orientation, weaker from each to the next by the factor by which the exemplar's own
+    scales grow weaker, as the median tells, and by 2^-1/4 at least. The highpass residual, which in a photograph is
+    mostly the camera's, is made likewise, and the pixels' contrast grows by what is added.
+
+    Args:
+        octaves: at least 1.
+    """
+    finest, factor = _finest(statistics), _falloff(statistics.bands)
+    new = [finest * (factor**step)[..., None] for step in range(octaves, 0, -1)]
+    bands = jnp.concatenate([jnp.stack(new, axis=1), statistics.bands], axis=1)
+    whole = jnp.sqrt(statistics.orientations) * jnp.mean(finest * (factor ** (octaves + 1))[..., None], axis=1)
+    highpass = _HIGHPASS * whole
+    added = jnp.sum(table_variance(bands[:, :octaves]), axis=(1, 2)) + table_variance(highpass)
+    seen = table_variance(statistics.pixels)
+    kept = jnp.maximum(seen - table_variance(statistics.highpass), 0.0)
+    wider = jnp.sqrt((kept + added) / jnp.where(seen > 0, seen, 1.0))
+    return TextureStatistics(
+        mean=statistics.mean,
+        axes=statistics.axes,
+        pixels=statistics.pixels * wider[:, None],
+        highpass=highpass,
+        bands=bands,
+        lowpass=statistics.lowpass,
+    )
+
+
+def _finest(statistics: TextureStatistics) -> Array:
+    """The sub-bands of the finest scale, [channel, orientation, quantile]; of an exemplar too small for any, made of its
+    highpass residual."""
+    if statistics.scales:
+        return statistics.bands[:, 0]
+    even = statistics.highpass / (_HIGHPASS * np.sqrt(statistics.orientations))
+    return jnp.repeat(even[:, None], statistics.orientations, axis=1)
+
+
+def _falloff(bands: Array) -> Array:
+    """The factor by which sub-bands weaken towards each finer scale, [channel, orientation]."""
+    deviation = jnp.sqrt(table_variance(bands))
+    if bands.shape[1] < 2:
+        return jnp.full((bands.shape[0], bands.shape[2]), _STEADIEST)
+    finer, coarser = deviation[:, :-1], deviation[:, 1:]
+    steps = jnp.where(coarser > 0, finer / jnp.where(coarser > 0, coarser, 1.0), _STEADIEST)
+    return jnp.median(jnp.minimum(steps, _STEADIEST), axis=1)
