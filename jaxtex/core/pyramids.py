@@ -231,7 +231,7 @@ def _inverse(spectrum: Array, shape: Shape) -> Array:
 
 
 def _crop(spectrum: Array, shape: Shape, smaller: Shape) -> Array:
-    """The low frequencies of a half spectrum; what is at the smaller shape's Nyquist frequency is filtered out after."""
+    """The low frequencies of a half spectrum. Filters remove what is at the smaller shape's Nyquist frequency."""
     for axis, (side, kept) in enumerate(zip(shape[:-1], smaller[:-1], strict=True)):
         positive = jax.lax.slice_in_dim(spectrum, 0, (kept + 1) // 2, axis=axis)
         negative = jax.lax.slice_in_dim(spectrum, side - kept // 2, side, axis=axis)

@@ -30,7 +30,10 @@ from jaxtex.core.pyramids import (
     even_directions,
 )
 
-CAP = 1.0
+# Towards finer scales, a scale-free picture keeps its contrast from octave to octave, and one of sharp-edged flat grains
+# loses a factor of 2^-1/2. Where an exemplar's contrast still grows, what is finer than its grain lies between the two.
+_STEADIEST = 2**-0.25
+
 # Of a texture as strong in every octave, the highpass residual holds 0.66 octaves, corners of the spectrum included.
 _HIGHPASS = 0.81
 
@@ -248,8 +251,8 @@ def extrapolate_finer(statistics: TextureStatistics, octaves: int) -> TextureSta
 
 
 def _finest(statistics: TextureStatistics) -> Array:
-    """The sub-bands of the finest scale, [channel, orientation, quantile]; of an exemplar too small for any, made of its
-    highpass residual."""
+    """The sub-bands of the finest scale, [channel, orientation, quantile]; where there is no scale, made of the highpass
+    residual."""
     if statistics.scales:
         return statistics.bands[:, 0]
     even = statistics.highpass / (_HIGHPASS * np.sqrt(statistics.orientations))
