@@ -41,6 +41,7 @@ COMMANDS = (
     Command("fit wood", "jaxtex.cli.fit:Wood", "fit the rings of a trunk to a photograph of a plank, likewise"),
     Command("fit floor", "jaxtex.cli.fit_floor:Floor", "find the planks of a floor or fence, and fit wood to each"),
     Command("render", "jaxtex.cli.render:Render", "make the material maps of a model file at any resolution"),
+    Command("synth", "jaxtex.cli.synth:Synth", "make more of a texture, tileable, from a picture of it"),
     Command("export", "jaxtex.cli.export:Export", "put a model on a wall, a floor or a mesh: one file for viewers"),
     Command("rectify", "jaxtex.cli.rectify:Rectify", "straighten a photograph from four corners"),
     Command("mask auto", "jaxtex.cli.mask:Auto", "make a mask of a tiled surface with nothing said"),

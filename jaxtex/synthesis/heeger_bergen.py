@@ -30,8 +30,8 @@ from jaxtex.core.pyramids import (
     even_directions,
 )
 
-# Towards finer scales, a scale-free picture keeps its contrast from octave to octave, and one of sharp-edged flat grains
-# loses a factor of 2^-1/2. Where an exemplar's contrast still grows, what is finer than its grain lies between the two.
+# From octave to octave, a scale-free picture keeps its contrast, and one of sharp-edged flat grains loses a factor of
+# 2^-1/2. Where an exemplar's contrast still grows towards finer scales, what lies beyond is taken to be between these.
 _STEADIEST = 2**-0.25
 
 # Of a texture as strong in every octave, the highpass residual holds 0.66 octaves, corners of the spectrum included.
@@ -149,6 +149,16 @@ def synthesise_texture(
     return _synthesise(statistics, key, jnp.asarray(iterations), tuple(shape), finer)
 
 
+def estimate_memory(shape: tuple[int, int], *, orientations: int, channels: int) -> int:
+    """About how many bytes `synthesise_texture` takes.
+
+    Examples:
+        >>> round(estimate_memory((4096, 4096), orientations=4, channels=3) / 2**30, 1)
+        4.1
+    """
+    return shape[0] * shape[1] * (100 + 32 * orientations + 12 * channels)
+
+
 @partial(jax.jit, static_argnums=(3, 4))
 def _synthesise(statistics: TextureStatistics, key: Array, iterations: Array, shape: Shape, finer: int) -> Array:
     if finer:
@@ -251,8 +261,7 @@ def extrapolate_finer(statistics: TextureStatistics, octaves: int) -> TextureSta
 
 
 def _finest(statistics: TextureStatistics) -> Array:
-    """The sub-bands of the finest scale, [channel, orientation, quantile]; where there is no scale, made of the highpass
-    residual."""
+    """Tables of the finest scale, [channel, orientation, quantile]; where there is none, of the highpass residual."""
     if statistics.scales:
         return statistics.bands[:, 0]
     even = statistics.highpass / (_HIGHPASS * np.sqrt(statistics.orientations))
