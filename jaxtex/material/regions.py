@@ -122,13 +122,19 @@ def cut_joints(
 
 
 def _in_lattice(tiling: Tiling, rectangle: Rectangle) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """The least and the greatest lattice coordinates of a rectangle's corners, (2,) each."""
+    """The least and the greatest lattice coordinates of the largest upright box inside of a rectangle, (2,) each."""
     x, y, width, height = rectangle
-    corners = [(x, y), (x + width, y), (x, y + height), (x + width, y + height)]
+    corners = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)]
     q = np.array([tiling.to_lattice(jnp.asarray(corner, jnp.float32)) for corner in corners], np.float64)
-    # Of a rectangle that is turned against the tiling, what is surely inside.
-    ordered = np.sort(q, axis=0)
-    return ordered[1], ordered[2]
+    one, other = 0.5 * (q[1] - q[0] + q[2] - q[3]), 0.5 * (q[3] - q[0] + q[2] - q[1])
+    long, short = sorted((float(np.hypot(*one)), float(np.hypot(*other))), reverse=True)
+    cosine, sine = np.abs(one if long == np.hypot(*one) else other) / max(long, 1e-9)
+    if short <= 2.0 * sine * cosine * long:  # two corners of the box touch the long sides, and none the short ones
+        size = 0.5 * short / np.array([sine, cosine])
+    else:
+        size = np.array([long * cosine - short * sine, short * cosine - long * sine]) / (cosine**2 - sine**2)
+    middle = q.mean(axis=0)
+    return middle - 0.5 * size, middle + 0.5 * size
 
 
 def _middle_of(at: npt.NDArray[np.floating], count: int) -> npt.NDArray[np.floating]:
