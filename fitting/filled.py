@@ -37,8 +37,9 @@ from jaxtex.material.planks import cut_plank
 from jaxtex.material.report_page import embed_picture, shrink_picture
 
 SIDE = 480  # pixels of a picture on the page
-INSET = 0.12  # of a tile: so far inside of its edges interiors begin
+INSET = 0.12  # of a tile's shorter side: so far inside of its edges interiors begin
 PART = 4.0  # tiles: about the root of how many the part shows
+FLOOR = 1e-8  # of power: far below the noise of 8 bits
 RADII = 16  # of the radial mean of a spectrum
 
 Floats = NDArray[np.floating]
@@ -58,8 +59,8 @@ class Faces(NamedTuple):
         return [face.mean(axis=2) for face in self.faces]
 
     def spectrum(self) -> Floats:
-        """Radial mean of the power of what differs from the tile's mean, by frequency, the mean over tiles."""
-        return np.mean([radial_power(light) for light in self.light], axis=0)
+        """Decimal logarithm of the radial mean of the power of what differs from the tile's mean, the mean of tiles."""
+        return np.mean([np.log10(np.maximum(radial_power(light), FLOOR)) for light in self.light], axis=0)
 
     def gradients(self) -> Floats:
         """Magnitudes of the gradient, of all tiles."""
@@ -84,8 +85,7 @@ def radial_power(light: Floats) -> Floats:
 
 
 def distances(seen: Faces, made: Faces) -> Distances:
-    floor = 1e-8  # far below the noise of 8 bits
-    spectra = [np.log10(np.maximum(faces.spectrum(), floor)) for faces in (seen, made)]
+    spectra = [faces.spectrum() for faces in (seen, made)]
     colour = [wasserstein_distance(one, other) for one, other in zip(seen.means.T, made.means.T, strict=True)]
     gradients = [faces.gradients() for faces in (seen, made)]
     gradient = wasserstein_distance(*(each[:: max(1, len(each) // 200_000)] for each in gradients))
@@ -132,8 +132,9 @@ def try_wall(path: Path) -> Trial:
     def faces(picture: Floats, tiling: jt.Tiling) -> dict[tuple[int, int], Floats]:
         inside = {}
         for cell in cut_cells(encode(picture), tiling, places):
-            rows = np.minimum(cell.top, cell.bottom) > INSET * (cell.top.max() + cell.bottom.min())
-            columns = np.minimum(cell.left, cell.right) > INSET * (cell.left.max() + cell.right.min())
+            depths = np.minimum(cell.top, cell.bottom), np.minimum(cell.left, cell.right)
+            margin = INSET * 2 * min(depth.max() for depth in depths)
+            rows, columns = (depth > margin for depth in depths)
             inside[cell.place] = cell.values[rows][:, columns]
         return inside
 
@@ -242,7 +243,12 @@ def show(trial: Trial) -> str:
 
 
 PAGE = """<!doctype html><meta charset="utf-8"><title>Filled walls and floors</title>
-<style>body{{font:15px/1.4 sans-serif;margin:2em}}div{{display:flex;gap:8px}}figure{{margin:0;flex:1}}img{{width:100%}}</style>
+<style>
+body {{ font: 15px/1.4 sans-serif; margin: 2em }}
+div {{ display: flex; gap: 8px }}
+figure {{ margin: 0; flex: 1 }}
+img {{ width: 100% }}
+</style>
 <h1>Filled walls and floors</h1>{body}
 """
 

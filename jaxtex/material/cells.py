@@ -67,15 +67,17 @@ def cut_cells(picture: npt.NDArray[np.float32], tiling: Tiling, places: Sequence
     numbers = np.array(places, dtype=int).reshape(-1, 2)
     starts, ends = tile_bounds(tiling, numbers[:, 0], numbers[:, 1])
     height, joint = float(tiling.tile_height), (float(tiling.mortar_x), float(tiling.mortar_y))
-    y = _steps(0.0, height, joint[1])
     limits = np.array(picture.shape[1::-1])
     kept, points = [], []
+    origin = np.asarray(tiling.origin, float)
     for place, start, end in zip(places, starts, ends, strict=True):
-        x = _steps(start, end, joint[0])
-        grid = np.stack(np.broadcast_arrays(x[None, :], place[0] * height + y[:, None]), axis=-1)
+        top = place[0] * height
+        x = _pixels(start, end, joint[0], origin[0])
+        y = _pixels(top, top + height, joint[1], origin[1])
+        grid = np.stack(np.broadcast_arrays(x[None, :], y[:, None]), axis=-1)
         at = np.asarray(_to_image(tiling, jnp.asarray(grid.reshape(-1, 2), jnp.float32)))
         if (at >= 0).all() and (at <= limits).all():
-            sides = [x - start, end - x, y, height - y]
+            sides = [x - start, end - x, y - top, top + height - y]
             kept.append((place, [side - 0.5 * joint[n // 2] for n, side in enumerate(sides)]))
             points.append(at)
     if not kept:
@@ -101,14 +103,15 @@ def cut_box(
     x, y = (np.arange(start + 0.5, end, 1.0) for start, end in zip(low, high, strict=True))
     grid = np.stack(np.meshgrid(x, y), axis=-1)
     at = np.asarray(_to_image(tiling, jnp.asarray(grid.reshape(-1, 2), jnp.float32)))
-    return _sample(picture, at).reshape(len(y), len(x), -1)
+    return _sample(picture, at).reshape(len(y), len(x), picture.shape[2])
 
 
-def _steps(start: float, end: float, joint: float) -> npt.NDArray[np.float64]:
-    """Centres of about one pixel from one end of a tile to the other, and as far beyond as joints reach."""
-    step = (end - start) / max(round(end - start), 1)
-    beyond = math.ceil(0.5 * joint)
-    return np.asarray(start + step * (np.arange(-beyond, round((end - start) / step) + beyond) + 0.5), np.float64)
+def _pixels(start: float, end: float, joint: float, origin: float) -> npt.NDArray[np.float64]:
+    """Places a pixel apart from one end of a tile to the other, and half a joint beyond. Where the tiling is not turned
+    they are the picture's own pixels, which no interpolation can blur."""
+    first, last = start - 0.5 * joint, end + 0.5 * joint
+    pixels = np.arange(math.ceil(first + origin - 0.5), math.floor(last + origin - 0.5) + 1)
+    return np.asarray(pixels + 0.5 - origin, np.float64)
 
 
 def _sample(picture: npt.NDArray[np.float32], points: npt.NDArray[np.floating]) -> npt.NDArray[np.float32]:

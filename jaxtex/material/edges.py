@@ -42,7 +42,8 @@ def measure_outlines(cells: Sequence[Cell], masks: Sequence[npt.NDArray[np.float
     rest = [edge - edge.mean() for edges in found for edge in edges if len(edge) >= 2 * _FEWEST]
     if not rest:
         return Outline(shift.astype(np.float32), 0.0, 1.0)
-    wobble = float(np.sqrt(np.median([np.mean(edge**2) for edge in rest])))
+    # By medians, as a mask errs by much in few places.
+    wobble = float(np.median([1.4826 * np.median(np.abs(edge)) for edge in rest]))
     return Outline(shift.astype(np.float32), wobble, _correlation_length(rest))
 
 

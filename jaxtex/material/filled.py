@@ -32,12 +32,14 @@ class FilledPixel(NamedTuple):
     joint: how much of the pixel is joint.
     occlusion: how much of an even sky lights it.
     tile_id: of the tile at its centre; -1 in joints.
+    roughness: of tiles of wood; None where tiles are not.
     """
 
     base_colour: Array
     joint: Array
     occlusion: Array
     tile_id: Array
+    roughness: Array | None
 
 
 def look(material: Material, q: Array) -> FilledPixel:
@@ -46,15 +48,23 @@ def look(material: Material, q: Array) -> FilledPixel:
     faces = _find_faces(material, q)
     tiles = [face.near() for face in faces]
     shares = [share_of(tile, material) for tile in tiles]
+    entries = jnp.stack([face.entry for face in faces])
     gap = joint_share(shares)
     colour = gap * _joint_colour(material, filling, faces, q)
-    for face, share in zip(faces, shares, strict=True):
-        colour = colour + share * _tile_colour(material, filling, face, q)
+    roughness = None
+    if material.wood is None:
+        for face, share in zip(faces, shares, strict=True):
+            colour = colour + share * _tile_colour(material, filling, face, q)
+    else:
+        most = jnp.argmax(jnp.stack(shares))
+        wood, roughness = material.wood.surface(entries[most], _pixel_at(material, q))
+        share = jnp.stack(shares)[most]
+        colour = colour + share * wood + (total(shares) - share) * material.wood.mean_colour()
     deepest = jnp.stack([jnp.minimum(*round_corner(t.inside_x, t.inside_y, material.corner_radius)) for t in tiles])
-    entry = jnp.stack([face.entry for face in faces])[jnp.argmax(deepest)]
+    entry = entries[jnp.argmax(deepest)]
     identity = jnp.where(jnp.max(deepest) >= 0, material.identity[entry], -1)
     risen = total([rise_of(tile, material) for tile in tiles])
-    return FilledPixel(colour, gap, sky_over(tiles, risen, material), identity.astype(jnp.float32))
+    return FilledPixel(colour, gap, sky_over(tiles, risen, material), identity.astype(jnp.float32), roughness)
 
 
 def height(material: Material, q: Array) -> Array:
@@ -63,6 +73,10 @@ def height(material: Material, q: Array) -> Array:
     faces = _find_faces(material, q)
     risen = [rise_of(face.near(), material) for face in faces]
     floor = jnp.maximum(1.0 - sum(risen), 0.0) * _joint_grain(material, filling, q)[3]
+    if material.wood is not None:
+        # Of the tile that counts most; that others share the pixel with it is nothing that shows in heights.
+        entry = jnp.stack([face.entry for face in faces])[jnp.argmax(jnp.stack(risen))]
+        return floor + sum(risen) * (material.relief[0] + material.wood.height(entry, _pixel_at(material, q)))
     heights = [
         rise * (material.relief[0] + filling.contrast[face.entry] * _tile_grain(material, filling, face.entry, q)[3])
         for rise, face in zip(risen, faces, strict=True)
@@ -138,8 +152,13 @@ def _joint_grain(material: Material, filling: Filling, q: Array) -> Array:
 
 def _stock_place(material: Material, piece: Array, q: Array, side: int) -> tuple[Array, Array]:
     """Row and column of a stock that a map's pixel shows."""
-    at = jnp.floor((q - _filling(material).corner) / material.pixel).astype(jnp.int32)
+    at = _pixel_at(material, q)
     return (at[1] + piece[0]) % side, (at[0] + piece[1]) % side
+
+
+def _pixel_at(material: Material, q: Array) -> Array:
+    """The map's pixel (x, y) at a point, in whole numbers from the sheet's corner."""
+    return jnp.floor((q - _filling(material).corner) / material.pixel).astype(jnp.int32)
 
 
 def _at_distance(profile: Array, side: Array | int, distance: Array, *, beyond: float) -> Array:

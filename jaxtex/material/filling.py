@@ -11,6 +11,7 @@ from jaxtex.core.colour import linear_to_srgb
 from jaxtex.material.appearance import Appearance
 from jaxtex.material.cells import tile_bounds
 from jaxtex.material.draw import pad_table
+from jaxtex.material.grain import MARGIN
 from jaxtex.material.interiors import Interiors
 from jaxtex.material.sheet import Sheet, TileTable
 from jaxtex.material.stocks import choose_side, make_grain, make_wobble, relief_of
@@ -87,8 +88,11 @@ def make_filling(
     start, extent = _pixels_of_tiles(sheet, table, pixel)
     first = np.floor(chance[:, :2] * np.maximum(side - extent + 1, 1)).astype(np.int64)
     kind, contrast = interiors.kind[like], interiors.contrast[like]
-    missing = _mean_of_pieces(tile_stock[..., :3], kind, first, extent) - tile_stock[..., :3].mean(axis=(1, 2))[kind]
-    colour = linear_to_srgb(np.clip(drawn[0].reshape(-1, 3), 0, 1)) - contrast[:, None] * missing
+    shift = _shifts(interiors, like, table)
+    before, after = _margins(sheet, pixel, shift)
+    inside = np.maximum(first + before, 0), np.maximum(extent - before - after, 1)
+    excess = contrast[:, None] * _mean_of_pieces(tile_stock[..., :3], kind, *inside) - interiors.offset[like]
+    colour = linear_to_srgb(np.clip(drawn[0].reshape(-1, 3), 0, 1)) - excess
     joint_first = np.floor(chance[:, 2:] * joint_side).astype(np.int64)
     tables = {
         "kind": kind.astype(np.int32),
@@ -96,7 +100,7 @@ def make_filling(
         "joint_piece": (joint_first - start).astype(np.int32),
         "contrast": contrast,
         "colour": colour.astype(np.float32),
-        "shift": _shifts(interiors, like, table),
+        "shift": shift,
     }
     return Filling(
         tile_stock=jnp.asarray(tile_stock),
@@ -137,6 +141,21 @@ def _pixels_of_tiles(
     return np.floor(start + 1e-3).astype(np.int64), np.ceil(extent).astype(np.int64)
 
 
+def _margins(
+    sheet: Sheet, pixel: tuple[float, float], shift: npt.NDArray[np.float32]
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Pixels (rows, columns) from where tiles begin to where their grain is as it was measured, and from there to their
+    ends, [tile, 2] each."""
+    t = sheet.tiling
+    faces = float(t.tile_height - t.mortar_y), float(t.tile_width * np.min(t.course_lengths) - t.mortar_x)
+    inset = max(MARGIN[0], MARGIN[1] * min(faces))
+    joints = 0.5 * np.array([float(t.mortar_y), float(t.mortar_x)])
+    left, right, top, bottom = shift.T
+    before, after = (joints + inset - np.stack(sides, axis=-1) for sides in ((top, left), (bottom, right)))
+    step = np.array(pixel[::-1])
+    return np.rint(before / step).astype(np.int64), np.rint(after / step).astype(np.int64)
+
+
 def _shifts(interiors: Interiors, like: npt.NDArray[np.int_], table: TileTable) -> npt.NDArray[np.float32]:
     """Of all tiles of the table, [tile, 4]. The two sides of a joint between tiles are those of one joint measured, so
     that joints are as thick as they were."""
@@ -155,6 +174,7 @@ def _mean_of_pieces(
 ) -> npt.NDArray[np.float64]:
     """Mean colour of each tile's piece, [tile, 3]; of what the stock has, where tiles are larger."""
     sums = np.pad(stock.astype(np.float64).cumsum(axis=1).cumsum(axis=2), [(0, 0), (1, 0), (1, 0), (0, 0)])
+    first = np.minimum(first, stock.shape[1] - 1)
     end = np.minimum(first + extent, stock.shape[1])
     (top, left), (bottom, right) = first.T, end.T
     total = sums[kind, bottom, right] - sums[kind, top, right] - sums[kind, bottom, left] + sums[kind, top, left]

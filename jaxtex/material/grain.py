@@ -8,9 +8,11 @@ import numpy.typing as npt
 from jaxtex.material.cells import Cell
 from jaxtex.material.edges import SIDES
 
+MARGIN = 2.0, 0.1
+"""Pixels, and share of a face's shorter side: so far inside of the edges grain is the same all over."""
+
 _MOST_PIXELS = 1 << 18  # of all examples of one kind
-_MARGIN = 2.0  # pixels inside of an edge where photographs mix tile and joint
-_REACH = 0.2, 4, 32  # of the shorter side of a face, and in pixels: how far edges show in a tile's colour
+_REACH = 0.4, 4, 64  # of the shorter side of a face, and in pixels: how far edges show in a tile's colour
 _THINNEST = 3  # pixels: nothing can be learnt from the inside of thinner joints
 _LONG = 3  # times its thickness: how long an example of a joint is
 _FEWEST = 8  # examples of joints
@@ -18,7 +20,8 @@ _FEWEST = 8  # examples of joints
 
 def face_colour(cell: Cell) -> npt.NDArray[np.float32]:
     """The median colour of a tile's face, [channel]."""
-    return np.median(_face(cell, _MARGIN).reshape(-1, cell.values.shape[2]), axis=0)
+    rows, columns = _rows_and_columns(cell)
+    return np.median(cell.values[rows][:, columns].reshape(-1, cell.values.shape[2]), axis=0)
 
 
 def tile_profile(cells: Sequence[Cell]) -> npt.NDArray[np.float32]:
@@ -43,7 +46,7 @@ def tile_grain(cell: Cell, profile: npt.NDArray[np.float32]) -> npt.NDArray[np.f
     for side, name in enumerate(SIDES):
         shade = at_distance(profile[side], getattr(cell, name))
         grain = grain - (shade[None, :] if name in ("left", "right") else shade[:, None])
-    rows, columns = _rows_and_columns(cell, _MARGIN)
+    rows, columns = _rows_and_columns(cell)
     return grain[rows][:, columns]
 
 
@@ -127,18 +130,13 @@ def joint_strips(
     return strips - np.median(strips, axis=(0, 2), keepdims=True)
 
 
-def _face(cell: Cell, margin: float) -> npt.NDArray[np.float32]:
-    rows, columns = _rows_and_columns(cell, margin)
-    return cell.values[rows][:, columns]
-
-
-def _rows_and_columns(cell: Cell, margin: float) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+def _rows_and_columns(cell: Cell) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
     """Those of a face, without a margin as far as it is large enough."""
-    picked = []
-    for one, other in ((cell.top, cell.bottom), (cell.left, cell.right)):
-        depth = np.minimum(one, other)
-        picked.append(depth > min(margin, 0.25 * float(depth.max())))
-    return picked[0], picked[1]
+    depths = [np.minimum(one, other) for one, other in ((cell.top, cell.bottom), (cell.left, cell.right))]
+    shorter = 2.0 * min(float(depth.max()) for depth in depths)
+    margin = max(MARGIN[0], MARGIN[1] * shorter)
+    rows, columns = (depth > min(margin, 0.5 * float(depth.max())) for depth in depths)
+    return rows, columns
 
 
 def _along_side(cell: Cell, side: str, reach: int) -> npt.NDArray[np.floating]:

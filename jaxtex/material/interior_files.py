@@ -74,7 +74,17 @@ def _read_beside(
 
 
 def _tile_arrays(interiors: Interiors) -> dict[str, npt.ArrayLike]:
-    names = ("places", "kind", "contrast", "shift", "wobble", "wobble_length", "tile_profile", "joint_profile")
+    names = (
+        "places",
+        "kind",
+        "contrast",
+        "offset",
+        "shift",
+        "wobble",
+        "wobble_length",
+        "tile_profile",
+        "joint_profile",
+    )
     grain = {f"tile_grain_{number}": _to_steps(each) for number, each in enumerate(interiors.tile_grain)}
     joint = {"kinds": len(interiors.tile_grain), "joint_grain": _to_steps(interiors.joint_grain)}
     return {name: getattr(interiors, name) for name in names} | grain | joint
@@ -89,6 +99,7 @@ def _tiles_from_arrays(arrays: Mapping[str, npt.NDArray]) -> Interiors:
         places=_shaped(arrays, "places", (tiles, 2)),
         kind=kind,
         contrast=_shaped(arrays, "contrast", (tiles,)),
+        offset=_shaped(arrays, "offset", (tiles, 3)),
         shift=_shaped(arrays, "shift", (tiles, 4)),
         wobble=float(arrays["wobble"]),
         wobble_length=float(arrays["wobble_length"]),

@@ -45,6 +45,7 @@ class Interiors:
         places: (course, tile) of the tiles measured, [tile, 2].
         kind: which of `tile_grain` each tile's grain is like, [tile].
         contrast: how strong it is, against the examples, [tile].
+        offset: by how much the mean of each tile's inside is off the tile's colour, [tile, 3].
         shift: how far outside of the tiling's edges each tile ends, [tile, side] in the order of `SIDES`.
         wobble, wobble_length: how far outlines stray besides: standard deviation and correlation length.
         tile_grain: examples of each kind, [region, row, col, 3], around 0.
@@ -56,6 +57,7 @@ class Interiors:
     places: npt.NDArray[np.int32]
     kind: npt.NDArray[np.int32]
     contrast: npt.NDArray[np.float32]
+    offset: npt.NDArray[np.float32]
     shift: npt.NDArray[np.float32]
     wobble: float
     wobble_length: float
@@ -124,8 +126,9 @@ def measure_interiors(
         places=places,
         kind=kind.astype(np.int32),
         contrast=contrast,
+        offset=_offsets(cells, grains, appearance),
         shift=shift,
-        wobble=min(outline.wobble, _WOBBLE * max(joint)),
+        wobble=min(outline.wobble, _WOBBLE * min(joint)),
         wobble_length=outline.length,
         tile_grain=examples,
         joint_grain=strips,
@@ -188,6 +191,15 @@ def _contrast(grains: Sequence[npt.NDArray[np.float32]], clean: npt.NDArray[np.i
     """How strong each tile's grain is, against that of the usual clean tile."""
     spread = np.array([np.sqrt(np.mean(np.square(grain))) for grain in grains])
     return np.clip(spread / max(float(np.median(spread[clean])), 1e-4), *_CONTRAST).astype(np.float32)
+
+
+def _offsets(
+    cells: Sequence[Cell], grains: Sequence[npt.NDArray[np.float32]], appearance: Appearance
+) -> npt.NDArray[np.float32]:
+    """Of the means of tiles from their colours, which are medians, and rounded."""
+    colours = linear_to_srgb(np.array([appearance.tiles[cell.place] for cell in cells]))
+    means = [face_colour(cell) + grain.mean(axis=(0, 1)) for cell, grain in zip(cells, grains, strict=True)]
+    return (np.array(means) - colours).astype(np.float32)
 
 
 def _examples(

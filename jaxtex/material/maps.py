@@ -4,7 +4,8 @@ What a pixel shows is the mean over the rectangle it covers, exactly so but for 
 joints are filled with: a flat map made at half the resolution is the larger map with each four pixels averaged.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -16,10 +17,11 @@ from jaxtex.core.errors import InputError
 from jaxtex.material import filled, flat
 from jaxtex.material.appearance import Appearance
 from jaxtex.material.bands import LONGEST_SIDE as LONGEST_SIDE
-from jaxtex.material.bands import check_sides, evaluate_points, in_bands, normals_of
+from jaxtex.material.bands import BAND, check_sides, evaluate_points, in_bands, normals_of
 from jaxtex.material.interiors import Interiors
 from jaxtex.material.sheet import Sheet
 from jaxtex.material.tables import Material, make_material
+from jaxtex.material.tile_wood import ROWS, Timber
 
 MOST_TILES = 4_000_000
 """More are refused; the ids of up to 16 million would be exact."""
@@ -58,6 +60,7 @@ def render_maps(
     size: tuple[int, int],
     key: Array,
     interiors: Interiors | None = None,
+    timber: Timber | None = None,
 ) -> Iterator[Maps]:
     """Render the material maps of a sheet, some rows at a time from top to bottom.
 
@@ -70,6 +73,7 @@ def render_maps(
         key: random key of the colours of tiles that were not seen, and of interiors; a tile's colour depends on nothing
             else, its interior on the resolution too.
         interiors: what tiles and joints are filled with. Without them they are flat.
+        timber: wood that tiles are made of, in place of what fills them; joints and the tiles' edges stay.
 
     Raises:
         InputError: a size without pixels, beyond `LONGEST_SIDE`, or with too few pixels for the sheet's tiles.
@@ -84,7 +88,8 @@ def render_maps(
         [(128, 64), (72, 64)]
     """
     _check_size(sheet, size)
-    return _render_bands(sheet, appearance, interiors, size, key)
+    material = partial(make_material, sheet, appearance, interiors, size=size, key=key, timber=timber)
+    return _render_bands(sheet, appearance, material, size)
 
 
 def _check_size(sheet: Sheet, size: tuple[int, int]) -> None:
@@ -102,16 +107,16 @@ def _check_size(sheet: Sheet, size: tuple[int, int]) -> None:
 
 
 def _render_bands(
-    sheet: Sheet, appearance: Appearance, interiors: Interiors | None, size: tuple[int, int], key: Array
+    sheet: Sheet, appearance: Appearance, make: Callable[[], Material], size: tuple[int, int]
 ) -> Iterator[Maps]:
-    material = make_material(sheet, appearance, interiors, size=size, key=key)  # now, when the first row is asked for
+    material = make()  # now, when the first row is asked for
     finish = _Finish(
         *(
             np.array([getattr(appearance, f"{part}_{name}") for part in ("tile", "joint")], np.float32)
             for name in ("roughness", "specular", "metallic")
         )
     )
-    render = _render_flat if interiors is None else _render_filled
+    render = _render_flat if material.filling is None else _render_filled
     extent = sheet.width, sheet.height
     yield from in_bands(lambda x, y: render(material, finish, x, y), corner=sheet.corner, extent=extent, size=size)
 
@@ -138,20 +143,24 @@ def _render_flat(material: Material, finish: _Finish, x: Array, y: Array) -> Map
 
 
 def _render_filled(material: Material, finish: _Finish, x: Array, y: Array) -> Maps:
-    seen = evaluate_points(filled.look, material, x, y)
+    rows = BAND if material.wood is None else ROWS
+    seen = evaluate_points(filled.look, material, x, y, rows=rows)
     # Slopes are those of the height as it stands in the map, which takes a pixel more on all sides.
     around = [
         jnp.concatenate([at[:1] - step, at, at[-1:] + step]) for at, step in zip((x, y), material.pixel, strict=True)
     ]
-    height = np.asarray(evaluate_points(filled.height, material, *around))
+    height = np.asarray(evaluate_points(filled.height, material, *around, rows=rows))
     pixel = np.asarray(material.pixel)
     slope_x = (height[1:-1, 2:] - height[1:-1, :-2]) / (2 * pixel[0])
     slope_y = (height[2:, 1:-1] - height[:-2, 1:-1]) / (2 * pixel[1])
+    maps = finish.over(np.asarray(seen.joint))
+    if material.wood is not None and material.wood.bare:
+        maps["roughness"] = maps["roughness"] + (1 - seen.joint) * (seen.roughness - finish.roughness[0])
     return Maps(
         base_colour=np.asarray(seen.base_colour),
         height=height[1:-1, 1:-1],
         normal=np.asarray(normals_of(jnp.asarray(slope_x), jnp.asarray(slope_y))),
         tile_id=np.asarray(seen.tile_id),
         occlusion=np.asarray(seen.occlusion),
-        **finish.over(np.asarray(seen.joint)),
+        **maps,
     )

@@ -16,6 +16,7 @@ SIDES_OF_STOCKS = (256, 512, 1024, 2048)
 """Few sizes, so that what is compiled once serves many maps."""
 
 _SCALES = 5
+_EXTENDED = 192  # pixels
 _ORIENTATIONS = 4
 _SMALLEST = 8  # pixels to a side: smaller examples show no grain at the maps' resolution
 _SAME = 0.03  # a change of scale that nobody sees
@@ -49,9 +50,19 @@ def make_grain(
     seen = _resample(examples, (1.0 / (pixel[1] * 2**finer), 1.0 / (pixel[0] * 2**finer)))
     if not len(seen) or seen.shape[1] * seen.shape[2] < _SMALLEST**2 or min(seen.shape[1:3]) < 2:
         return np.zeros((side, side, 3), np.float32)
-    scales = min(_SCALES, most_scales(seen.shape[1:3]))
+    seen = _extend(seen)
+    scales = min(_SCALES, most_scales(seen.shape[1:3]), most_scales((side, side)) - finer)
     statistics = analyse_texture(seen, scales=scales, orientations=_ORIENTATIONS)
     return np.asarray(synthesise_texture(statistics, (side, side), key=key, finer=finer))
+
+
+def _extend(examples: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Examples made as broad as long by reflection: change over the whole of a long tile is grain, too."""
+    height, width = examples.shape[1:3]
+    wanted = min(max(height, width), _EXTENDED)
+    return np.pad(
+        examples, [(0, 0), (0, max(wanted - height, 0)), (0, max(wanted - width, 0)), (0, 0)], mode="symmetric"
+    )
 
 
 def make_wobble(deviation: float, length: float, pixel: tuple[float, float], side: int, *, key: Array) -> npt.NDArray:

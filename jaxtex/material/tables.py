@@ -10,9 +10,10 @@ from jaxtex.material.draw import draw_tiles, pad_table
 from jaxtex.material.filling import Filling, make_filling
 from jaxtex.material.interiors import Interiors
 from jaxtex.material.sheet import Sheet
+from jaxtex.material.tile_wood import Timber, TileWood, cut_tiles, plain_filling
 from jaxtex.models.tiling import Tiling
 
-_PIECES = 1  # purpose of the key: which piece of grain a tile has; colours are drawn by the key itself
+_PIECES, _CUTS = 1, 2  # purposes of the key: which piece of grain, or of wood, a tile is; colours take the key itself
 
 
 class Material(eqx.Module):
@@ -30,6 +31,7 @@ class Material(eqx.Module):
         relief: joint depth, width of the tiles' edges.
         pixel: width and height of a pixel, in plane pixels.
         filling: None where tiles and joints are flat.
+        wood: None where tiles are not of wood; there is a filling where they are.
     """
 
     tiling: Tiling
@@ -43,25 +45,36 @@ class Material(eqx.Module):
     relief: Array
     pixel: Array
     filling: Filling | None
+    wood: TileWood | None = None
 
 
 def make_material(
-    sheet: Sheet, appearance: Appearance, interiors: Interiors | None, *, size: tuple[int, int], key: Array
+    sheet: Sheet,
+    appearance: Appearance,
+    interiors: Interiors | None,
+    *,
+    size: tuple[int, int],
+    key: Array,
+    timber: Timber | None = None,
 ) -> Material:
     """Gather what maps of a sheet look up.
 
     Args:
         interiors: None leaves tiles and joints flat.
         size: (width, height) of the maps in pixels.
-        key: random key of the colours of tiles that were not seen, and of interiors.
+        key: random key of the colours of tiles that were not seen, and of interiors and wood.
+        timber: what tiles are cut of, if they are of wood.
     """
     table, radius = sheet.table(), float(sheet.tiling.corner_radius)
     drawn = draw_tiles(appearance, table.course, table.tile, key=key)
     pixel = sheet.width / size[0], sheet.height / size[1]
-    filling = None
+    filling = None if timber is None else plain_filling(sheet, table, appearance, drawn)
     if interiors is not None:
         pieces = jax.random.fold_in(key, _PIECES)
         filling = make_filling(sheet, table, appearance, interiors, drawn, pixel=pixel, key=pieces)
+    wood = None
+    if timber is not None:
+        wood = cut_tiles(sheet, table, timber, pixel=pixel, key=jax.random.fold_in(key, _CUTS))
     return Material(
         tiling=jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), sheet.tiling),
         first_course=jnp.asarray(sheet.first_course - 1, jnp.int32),
@@ -74,4 +87,5 @@ def make_material(
         relief=jnp.asarray([appearance.joint_depth, appearance.edge_width], jnp.float32),
         pixel=jnp.asarray(pixel, jnp.float32),
         filling=filling,
+        wood=wood,
     )
