@@ -30,7 +30,7 @@ class Export:
     """
 
     model: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="MODEL")]
-    """The model file, as 'jaxtex fit' writes it."""
+    """The model file, as 'jaxtex fit' or 'jaxtex mix' writes it."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="FILE")]
     """The file to write: .glb."""
     on: Annotated[str, tyro.conf.arg(metavar="wall|floor|FILE")] = "wall"
@@ -57,22 +57,28 @@ class Export:
         check_seed(self.seed)
         self._check_width()
 
+        from jaxtex.cli.mixture_maps import open_mixture, read_parts
         from jaxtex.cli.model_maps import SheetOptions, open_maps, refuse
         from jaxtex.cli.progress import progress
         from jaxtex.io.files import place_for_file
         from jaxtex.material.bands import count_bands
         from jaxtex.material.packing import pack_maps
         from jaxtex.material.scene import Scene, find_writer
-        from jaxtex.models.files import TilingFile, load_model
+        from jaxtex.models.files import TilingFile, load_any
         from jaxtex.models.floor_files import FloorFile
+        from jaxtex.models.mixture_files import MixtureFile
 
         write = find_writer(place_for_file(self.output))
-        file = load_model(self.model)
-        if not isinstance(file, TilingFile):
-            what = "a floor" if isinstance(file, FloorFile) else "wood, which has no tiles"
-            refuse(self.model, {"--tiles": tiles}, what)
+        file = load_any(self.model)
         options = SheetOptions(tiles, seamless=True, seed=self.seed, seams_allowed=True)
-        maps = open_maps(self.model, file, size=size, longest=_LONGEST_SIDE, options=options)
+        if isinstance(file, MixtureFile):
+            parts = read_parts(self.model, file)
+            file, maps = parts.base, open_mixture(self.model, parts, size=size, longest=_LONGEST_SIDE, options=options)
+        else:
+            if not isinstance(file, TilingFile):
+                what = "a floor" if isinstance(file, FloorFile) else "wood, which has no tiles"
+                refuse(self.model, {"--tiles": tiles}, what)
+            maps = open_maps(self.model, file, size=size, longest=_LONGEST_SIDE, options=options)
         mesh, told = self._lay(file, maps, repeat)
         images = pack_maps(progress(maps.bands, "rendering maps", total=count_bands(maps.size)), size=maps.size)
         write(self.output, Scene(mesh, images, repeat, name=self.output.stem))

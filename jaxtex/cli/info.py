@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from jaxtex.models.files import ModelFile, TilingFile
     from jaxtex.models.floor_files import FloorFile
+    from jaxtex.models.mixture_files import MixtureFile
     from jaxtex.models.wood_files import WoodFile
 
 _LONGEST_LIST = 4  # entries shown in full
@@ -20,7 +23,7 @@ _WIDE = 110  # characters: room for what the parameters mean
 @dataclass(frozen=True)
 class Info:
     """Print a model file, of a tiling or of wood: its parameters with their errors and where the fit began, and how the
-    fit went. What the photograph does not tell has "not seen" for an error.
+    fit went. What the photograph does not tell has "not seen" for an error. Of a mixture, print what it is made of.
 
     Example: jaxtex info fitted/model.json
     """
@@ -31,14 +34,40 @@ class Info:
     def run(self) -> int:
         from rich.console import Console
 
-        from jaxtex.models.files import load_model
+        from jaxtex.models.files import load_any
+        from jaxtex.models.mixture_files import MixtureFile
 
-        file = load_model(self.model)
+        file = load_any(self.model)
         console = Console(highlight=False, markup=False)
+        if isinstance(file, MixtureFile):
+            for line in _mixture_lines(self.model, file):
+                console.print(line)
+            return 0
         for line in _headlines(self.model, file):
             console.print(line)
         console.print(_table(file, meaning=console.width >= _WIDE))
         return 0
+
+
+def _mixture_lines(path: Path, file: "MixtureFile") -> list[str]:
+    """What a mixture is made of, from below; the parts' own parameters are in their files."""
+    from jaxtex.models.mixture_files import ModelLayer
+
+    lines = [f"{path}: a mixture", f"base: {file.base}"]
+    if file.wood is not None:
+        lines.append(f"wood in its tiles: {file.wood.model}, {file.wood.scale:g} times as large as photographed")
+    for layer in file.layers:
+        if isinstance(layer, ModelLayer):
+            scale = "" if layer.scale == 1 else f", {layer.scale:g} times as large as photographed"
+            lines.append(f"layer where {layer.mask} is white: {layer.model}{scale}")
+        else:
+            lines.append(f"kept where {layer.mask} is white: {layer.photograph}")
+    return [*lines, *_written_by(file.versions)]
+
+
+def _written_by(versions: "Mapping[str, str] | None") -> list[str]:
+    listed = ", ".join(f"{name} {version}" for name, version in (versions or {}).items())
+    return [f"written by {listed}"] if listed else []
 
 
 def _headlines(path: Path, file: "ModelFile") -> list[str]:
@@ -61,9 +90,7 @@ def _headlines(path: Path, file: "ModelFile") -> list[str]:
         lines += _appearance_lines(tiling)
     if file.seed is not None:
         lines.append(f"seed: {file.seed}")
-    if file.versions:
-        lines.append("written by " + ", ".join(f"{name} {version}" for name, version in file.versions.items()))
-    return lines
+    return lines + _written_by(file.versions)
 
 
 def _appearance_lines(file: "TilingFile") -> list[str]:

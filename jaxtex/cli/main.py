@@ -40,6 +40,7 @@ COMMANDS = (
     Command("fit tiling", "jaxtex.cli.fit:Tiling", "fit a tiling model to a photograph and make its material maps"),
     Command("fit wood", "jaxtex.cli.fit:Wood", "fit the rings of a trunk to a photograph of a plank, likewise"),
     Command("fit floor", "jaxtex.cli.fit_floor:Floor", "find the planks of a floor or fence, and fit wood to each"),
+    Command("mix", "jaxtex.cli.mix:Mix", "mix models: wood in tiles, parts of the photograph, others by painted masks"),
     Command("render", "jaxtex.cli.render:Render", "make the material maps of a model file at any resolution"),
     Command("synth", "jaxtex.cli.synth:Synth", "make more of a texture, tileable, from a picture of it"),
     Command("export", "jaxtex.cli.export:Export", "put a model on a wall, a floor or a mesh: one file for viewers"),

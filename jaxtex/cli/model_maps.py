@@ -1,5 +1,6 @@
 """The maps of a model file, whatever its model."""
 
+import dataclasses
 from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -14,7 +15,9 @@ from jaxtex.material.finish import finish_tiling
 from jaxtex.material.floor import render_floor
 from jaxtex.material.interior_files import interiors_of_planks, interiors_of_tiles
 from jaxtex.material.maps import render_maps
+from jaxtex.material.placement import Placement, over_photograph, over_picture, over_plank
 from jaxtex.material.sheet import Sheet, lay_photographed_sheet
+from jaxtex.material.tile_wood import Timber
 from jaxtex.material.wood import render_wood
 from jaxtex.models.files import ModelFile, TilingFile
 from jaxtex.models.floor_files import FloorFile
@@ -30,12 +33,18 @@ class ModelMaps(NamedTuple):
         shown: what they show, in words.
         seamless: whether they repeat without a seam.
         changes: what had to give way for that, or why they cannot, in words.
+        placement: of the maps in the photograph; `jaxtex.material.placement`.
+        face: how high faces of tiles or planks lie, in pixels of the photograph.
+        ids: how many ids there are.
     """
 
     bands: Iterator[NamedTuple]
     size: tuple[int, int]
     extent: tuple[float, float]
     shown: str
+    placement: Placement
+    face: float = 0.0
+    ids: int = 0
     seamless: bool = False
     changes: tuple[str, ...] = ()
 
@@ -47,6 +56,7 @@ class SheetOptions(NamedTuple):
         tiles, seamless, seed: as `jaxtex render` has them.
         fill: whether tiles and joints are filled, where the file names interiors.
         finishes: names of finishes by structure.
+        timber: what tiles are cut of, where they are to be of wood.
         seams_allowed: where no seamless maps can be made, to make others.
     """
 
@@ -56,6 +66,7 @@ class SheetOptions(NamedTuple):
     seams_allowed: bool = False
     fill: bool = True
     finishes: Mapping[str, str] = MappingProxyType({})
+    timber: Timber | None = None
 
 
 def open_maps(
@@ -83,12 +94,14 @@ def open_maps(
     image = file.image.width, file.image.height
     size = size or _at_most(longest, image)
     if isinstance(file, FloorFile):
-        planks = interiors_of_planks(source, file) if options.fill else None
+        interiors = interiors_of_planks(source, file) if options.fill else None
         key = jax.random.key(options.seed)
-        bands: Iterator[NamedTuple] = render_floor(file.planks, image=image, size=size, interiors=planks, key=key)
-        return ModelMaps(bands, size, image, f"{len(file.planks)} planks")
+        bands: Iterator[NamedTuple] = render_floor(file.planks, image=image, size=size, interiors=interiors, key=key)
+        placement, planks = over_picture(image, size=size), len(file.planks)
+        return ModelMaps(bands, size, image, f"{planks} planks", placement, ids=planks)
     bands = render_wood(file.wood, across=image[0], size=size)
-    return ModelMaps(bands, size, (image[0], image[0] * size[1] / size[0]), "wood")
+    extent = image[0], image[0] * size[1] / size[0]
+    return ModelMaps(bands, size, extent, "wood", over_plank(image, size=size))
 
 
 def refuse(source: Path, options: Mapping[str, object], what: str) -> None:
@@ -110,16 +123,30 @@ def refuse(source: Path, options: Mapping[str, object], what: str) -> None:
 def _open_tiling(
     source: Path, file: TilingFile, size: tuple[int, int] | None, longest: int | None, options: SheetOptions
 ) -> ModelMaps:
+    appearance, timber = appearance_of(file), options.timber
+    if timber is not None:
+        appearance = dataclasses.replace(appearance, tile_specular=0.5, tile_metallic=0.0)  # as wood has it
+        timber = timber._replace(bare="tile" not in options.finishes)
     try:
-        appearance = finish_tiling(appearance_of(file), options.finishes)
+        appearance = finish_tiling(appearance, options.finishes)
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
     sheet, reasons = _lay(file, appearance, options)
     size = size or _at_most(longest, sheet.natural_size)
     interiors = interiors_of_tiles(source, file) if options.fill else None
-    bands = render_maps(sheet, appearance, interiors=interiors, size=size, key=jax.random.key(options.seed))
-    shown = f"{sheet.columns:g} x {sheet.rows} tiles"
-    return ModelMaps(bands, size, (sheet.width, sheet.height), shown, sheet.seamless, sheet.changes + reasons)
+    key = jax.random.key(options.seed)
+    image = file.image.width, file.image.height
+    return ModelMaps(
+        render_maps(sheet, appearance, interiors=interiors, size=size, key=key, timber=timber),
+        size,
+        (sheet.width, sheet.height),
+        f"{sheet.columns:g} x {sheet.rows} tiles" + ("" if timber is None else " of wood"),
+        over_photograph(sheet, file.tiling, image=image, size=size),
+        face=appearance.joint_depth,
+        ids=int(sheet.table().identity.max()) + 1,
+        seamless=sheet.seamless,
+        changes=sheet.changes + reasons,
+    )
 
 
 def _lay(file: TilingFile, appearance: Appearance, options: SheetOptions) -> tuple[Sheet, tuple[str, ...]]:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 if TYPE_CHECKING:
-    from jaxtex.cli.model_maps import SheetOptions
-    from jaxtex.models.files import TilingFile
+    from jaxtex.cli.model_maps import ModelMaps, SheetOptions
     from jaxtex.models.floor_files import FloorFile
+    from jaxtex.models.mixture_files import MixtureFile
 
 
 Switch = Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help_behavior_hint="")]
@@ -18,8 +18,8 @@ Switch = Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help_behavi
 @dataclass(frozen=True, kw_only=True)
 class Render:
     """Make the material maps of a model file: basecolor.png, height.exr, normal.png, roughness.png, of tilings
-    and floors tile_id.exr, and of tilings specular.png, metallic.png and occlusion.png. Of wood, a block of voxels
-    (--block) or a carved mesh (--mesh) instead.
+    and floors tile_id.exr, and of tilings and mixtures specular.png, metallic.png and occlusion.png. Of wood, a block
+    of voxels (--block) or a carved mesh (--mesh) instead.
 
     Of a tiling, courses come out horizontal, without perspective. Tiles that the photograph shows have their own
     colours; others get colours like these. Of wood, pixels are square, and maps taller than the photograph show more
@@ -32,7 +32,7 @@ class Render:
     """
 
     model: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="MODEL")]
-    """The model file, as 'jaxtex fit' writes it."""
+    """The model file, as 'jaxtex fit' or 'jaxtex mix' writes it."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="FOLDER")]
     """The folder for the results; it is made if there is none."""
     size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint="")] = None
@@ -43,7 +43,8 @@ class Render:
     """Tilings: how many tiles to show: columns (of mean length, where tiles differ) and rows. By default as many as the
     photograph."""
     seamless: Switch = False
-    """Tilings: make maps that repeat without a seam: whole periods of the bond, at least the tiles asked for."""
+    """Tilings: make maps that repeat without a seam: whole periods of the bond, at least the tiles asked for. Mixtures
+    repeat where they have no layers."""
     no_fill: Switch = False
     """Leave tiles and joints flat, each of one colour; of floors, leave planks with the rings of their model alone."""
     finish: Annotated[tuple[str, ...], tyro.conf.arg(metavar="PART=FINISH [...]", help_behavior_hint="")] = ()
@@ -69,15 +70,19 @@ class Render:
         finishes = parse_finishes("--finish", self.finish)
         check_seed(self.seed)
 
-        from jaxtex.cli.model_maps import SheetOptions, refuse
-        from jaxtex.models.files import TilingFile, load_model
+        from jaxtex.cli.model_maps import SheetOptions, open_maps, refuse
+        from jaxtex.models.files import TilingFile, load_any
         from jaxtex.models.floor_files import FloorFile
+        from jaxtex.models.mixture_files import MixtureFile
 
-        file = load_model(self.model)
+        file = load_any(self.model)
+        options = SheetOptions(tiles, self.seamless, self.seed, fill=not self.no_fill, finishes=finishes)
+        if isinstance(file, MixtureFile):
+            refuse(self.model, {"--block": block, "--mesh": self.mesh}, "a mixture; it is for wood")
+            return self._render_mixture(file, size, options)
         if isinstance(file, TilingFile):
             refuse(self.model, {"--block": block, "--mesh": self.mesh}, "a tiling; it is for wood")
-            options = SheetOptions(tiles, self.seamless, self.seed, fill=not self.no_fill, finishes=finishes)
-            self._render_tiling(file, size, options)
+            self._write_maps(open_maps(self.model, file, size=size, options=options))
         elif isinstance(file, FloorFile):
             refuse(self.model, {"--tiles": tiles, "--seamless": self.seamless or None}, "a floor")
             refuse(self.model, {"--block": block, "--mesh": self.mesh}, "a floor")
@@ -100,14 +105,21 @@ class Render:
         write_floor_maps(folder, file, interiors, size=(width, height))
         print(f"{folder}: maps of {width} x {height} pixels, {len(file.planks)} planks")
 
-    def _render_tiling(self, file: "TilingFile", size: tuple[int, int] | None, options: "SheetOptions") -> None:
-        from jaxtex.cli.model_maps import open_maps
+    def _render_mixture(self, file: "MixtureFile", size: tuple[int, int] | None, options: "SheetOptions") -> int:
+        from jaxtex.cli.mixture_maps import open_mixture, read_parts
+
+        parts = read_parts(self.model, file)
+        self._write_maps(open_mixture(self.model, parts, size=size, options=options))
+        for source, reason in parts.doubts():
+            print(f"  note: {source} is a best guess; its fit did not succeed: {reason}")
+        return 0
+
+    def _write_maps(self, maps: "ModelMaps") -> None:
         from jaxtex.cli.progress import progress
         from jaxtex.io.files import prepare_folder
         from jaxtex.material.bands import count_bands
         from jaxtex.material.export import write_maps
 
-        maps = open_maps(self.model, file, size=size, options=options)
         (width, height), (along, across) = maps.size, maps.extent
         folder = prepare_folder(self.output)
         write_maps(folder, progress(maps.bands, "rendering maps", total=count_bands(maps.size)), size=maps.size)

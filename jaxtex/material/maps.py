@@ -16,8 +16,8 @@ from jax import Array
 from jaxtex.core.errors import InputError
 from jaxtex.material import filled, flat
 from jaxtex.material.appearance import Appearance
-from jaxtex.material.bands import LONGEST_SIDE as LONGEST_SIDE
 from jaxtex.material.bands import BAND, check_sides, evaluate_points, in_bands, normals_of
+from jaxtex.material.bands import LONGEST_SIDE as LONGEST_SIDE
 from jaxtex.material.interiors import Interiors
 from jaxtex.material.sheet import Sheet
 from jaxtex.material.tables import Material, make_material

@@ -116,7 +116,7 @@ def _keep(kept: npt.NDArray[np.float32], placement: Placement, size: tuple[int, 
         share = seen[..., 3]
         fill = {name: np.full(share.shape, value, np.float32) for name, value in _PLAIN.items()}
         maps = Maps(
-            base_colour=seen[..., :3] / np.maximum(share, 1e-6)[..., None],
+            base_colour=(seen[..., :3] / np.maximum(share, 1e-6)[..., None]).astype(np.float32),
             height=np.full(share.shape, height, np.float32),
             normal=np.broadcast_to(np.array([0, 0, 1], np.float32), (*share.shape, 3)),
             roughness=np.full(share.shape, _ROUGHNESS, np.float32),

@@ -10,7 +10,7 @@ from jaxtex.material.draw import draw_tiles, pad_table
 from jaxtex.material.filling import Filling, make_filling
 from jaxtex.material.interiors import Interiors
 from jaxtex.material.sheet import Sheet
-from jaxtex.material.tile_wood import Timber, TileWood, cut_tiles, plain_filling
+from jaxtex.material.tile_wood import TileWood, Timber, cut_tiles, plain_filling
 from jaxtex.models.tiling import Tiling
 
 _PIECES, _CUTS = 1, 2  # purposes of the key: which piece of grain, or of wood, a tile is; colours take the key itself

@@ -1,4 +1,5 @@
-"""What every model file holds, whatever its model: kind and version, photograph, report, software, seed.
+"""What every model file holds, whatever its model: kind and version, photograph, report, software, seed. Mixtures of
+models have no photograph and no report of their own.
 
 The formats are described, key by key, by the JSON Schemas beside this module, one for each kind.
 """
@@ -35,7 +36,7 @@ def write_envelope(
     path: Path | str,
     kind: str,
     *,
-    image: SourceImage,
+    image: SourceImage | None,
     content: Mapping[str, Any],
     versions: Mapping[str, str] | None,
     seed: int | None,
@@ -45,8 +46,9 @@ def write_envelope(
     Args:
         path: the file.
         kind: the document's `type`.
-        image: the photograph.
-        content: what is the kind's own, in order; its `report` among it. Entries that are None are left out.
+        image: the photograph, if it is a model that one was fitted to.
+        content: what is the kind's own, in order; its `report` among it, if it has one. Entries that are None are left
+            out.
         versions: of the software that made the model; None stands for the software that runs.
         seed: of all random choices, where there were any.
 
@@ -57,9 +59,9 @@ def write_envelope(
     document: dict[str, Any] = {
         "schema": SCHEMA,
         "type": kind,
-        "image": image._asdict(),
+        "image": None if image is None else image._asdict(),
         **content,
-        "report": _ordered_report(content["report"]),
+        "report": _ordered_report(content["report"]) if "report" in content else None,
         "versions": _running_versions() if versions is None else dict(sorted(versions.items())),
         "seed": seed,
     }

@@ -18,6 +18,7 @@ from jaxtex.models.canonical import canonical
 from jaxtex.models.envelope import SourceImage as SourceImage
 from jaxtex.models.envelope import plain, read_envelope, schema_of, write_envelope
 from jaxtex.models.floor_files import FloorFile, floor_content, floor_from_document
+from jaxtex.models.mixture_files import MixtureFile, mixture_content, mixture_from_document
 from jaxtex.models.tiling import Tiling, make_tiling
 from jaxtex.models.wood_files import WoodFile, wood_content, wood_from_document
 
@@ -54,9 +55,10 @@ class TilingFile:
 
 
 ModelFile = TilingFile | WoodFile | FloorFile
+"""What a photograph made of a model."""
 
 
-def save_model(path: Path | str, file: ModelFile) -> None:
+def save_model(path: Path | str, file: ModelFile | MixtureFile) -> None:
     """Write a model file, whole or not at all. The same model gives the same bytes.
 
     The model is written in its canonical form (see `jaxtex.models.canonical` and `canonical_wood`). Numbers in the
@@ -76,7 +78,8 @@ def save_model(path: Path | str, file: ModelFile) -> None:
         60.0
     """
     kind, content = _content(file)
-    write_envelope(path, kind, image=file.image, content=content, versions=file.versions, seed=file.seed)
+    image, seed = (None, None) if isinstance(file, MixtureFile) else (file.image, file.seed)
+    write_envelope(path, kind, image=image, content=content, versions=file.versions, seed=seed)
 
 
 def load_model(path: Path | str) -> ModelFile:
@@ -87,12 +90,30 @@ def load_model(path: Path | str) -> ModelFile:
 
     Raises:
         InputError: there is no such file, it is damaged, of an unknown kind or version, or one of its entries is
-            missing or wrong; the message names the file and the entry.
+            missing or wrong; the message names the file and the entry. Or it is a mixture.
     """
-    readers: dict[str, Callable[[Mapping[str, Any]], ModelFile]] = {
+    file = load_any(path)
+    if isinstance(file, MixtureFile):
+        raise InputError(f"{path}: is a mixture, and no model of its own; name one of the models that it mixes")
+    return file
+
+
+def load_any(path: Path | str) -> ModelFile | MixtureFile:
+    """Read a model file, or a file of a mixture; the files that it names are not read.
+
+    Raises:
+        InputError: as `load_model`.
+
+    Examples:
+        >>> save_model("mix.json", MixtureFile("wall.json"))
+        >>> load_any("mix.json").base
+        'wall.json'
+    """
+    readers: dict[str, Callable[[Mapping[str, Any]], ModelFile | MixtureFile]] = {
         "tiling": _tiling_from_document,
         "wood": wood_from_document,
         "floor": floor_from_document,
+        "mixture": mixture_from_document,
     }
     document = read_envelope(path, tuple(readers))
     try:
@@ -166,8 +187,10 @@ def tiling_schema() -> dict[str, Any]:
     return schema_of("tiling")
 
 
-def _content(file: ModelFile) -> tuple[str, dict[str, Any]]:
+def _content(file: ModelFile | MixtureFile) -> tuple[str, dict[str, Any]]:
     """The kind of a model file, and what is its own."""
+    if isinstance(file, MixtureFile):
+        return "mixture", mixture_content(file)
     if isinstance(file, WoodFile):
         return "wood", wood_content(file)
     if isinstance(file, FloorFile):
