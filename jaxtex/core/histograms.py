@@ -1,7 +1,7 @@
 """Histogram matching: values are moved, in order, so that they come to be distributed as others are.
 
-A distribution is a table of quantiles. Values are ranked by counting them in bins, which takes a fraction of the time
-of sorting and is exact to a fraction of a bin: within one, values are moved linearly.
+A distribution is a table of quantiles. Values are ranked by counting them at knots, which takes a fraction of the time
+of sorting and is exact where they lie further apart than knots do; between knots, values are moved linearly.
 """
 
 import jax
@@ -13,7 +13,7 @@ from jax import Array
 QUANTILES = 512
 """Quantiles in a table, where nothing else is said."""
 
-_BINS = 2048
+_KNOTS = 2049
 
 
 def quantile_table(values: npt.ArrayLike, *, count: int = QUANTILES) -> npt.NDArray[np.float32]:
@@ -56,8 +56,8 @@ def match_histogram(values: Array, table: Array) -> Array:
     the last.
 
     Args:
-        values: float array of any shape; all of it is one distribution. Values that are all equal go to the middle
-            between the table's ends.
+        values: float array of any shape; all of it is one distribution. Values that are all equal become the
+            table's median.
         table: of `quantile_table`, [count].
 
     Examples:
@@ -67,11 +67,15 @@ def match_histogram(values: Array, table: Array) -> Array:
         Array([0.  , 0.06, 0.25, 0.56, 1.  ], dtype=float32)
     """
     place = _place(values.ravel())
-    bin_ = jnp.minimum(place.astype(jnp.int32), _BINS - 1)
-    counts = jnp.zeros(_BINS, jnp.int32).at[bin_].add(1)
-    rank = jnp.concatenate([jnp.zeros(1, jnp.int32), jnp.cumsum(counts)])
-    edges = look_up(table, rank / values.size)
-    moved = edges[bin_] + (place - bin_) * (edges[bin_ + 1] - edges[bin_])
+    below = jnp.minimum(place.astype(jnp.int32), _KNOTS - 2)
+    share = place - below
+    # Each value counts at the two knots around it, as linear interpolation would have it: where it lies between them
+    # does not change its own rank, and its rank is continuous in all values.
+    counts = jnp.zeros(_KNOTS, values.dtype).at[below].add(1 - share).at[below + 1].add(share)
+    rank = jnp.cumsum(counts) - 0.5 * counts
+    span = rank[-1] - rank[0]
+    knots = look_up(table, (rank - rank[0]) / span)
+    moved = knots[below] + share * (knots[below + 1] - knots[below])
     return moved.reshape(values.shape)
 
 
@@ -108,18 +112,20 @@ def table_variance(table: Array) -> Array:
 
 
 def _place(values: Array) -> Array:
-    """Where among the bins values lie, from 0 for the smallest to the number of bins for the largest.
+    """Where among the knots values lie, from 0 for the smallest to the number of the last knot for the largest.
 
-    Bins are even in a companded value: x / (|x| + d), with x the distance from the mean and d its mean size, keeps long
-    tails from taking most of the bins; a square root then narrows those at both ends, where a distribution that ends
-    abruptly is moved furthest.
+    Knots are even in a companded value: x / (|x| + d), with x the distance from the mean and d its mean size, keeps
+    long tails from taking most of them; a square root then draws them together at both ends, where a distribution that
+    ends abruptly is moved furthest.
     """
     centred = values - jnp.mean(values)
     size = jnp.abs(centred)
     companded = centred / jnp.maximum(size + jnp.mean(size), jnp.finfo(values.dtype).tiny)
     least, most = jnp.min(companded), jnp.max(companded)
-    unequal = most > least
-    even = jnp.where(unequal, 2 * (companded - least) / jnp.where(unequal, most - least, 1.0) - 1, 0.0)
-    ends = jnp.sign(even) * (1 - jnp.sqrt(jnp.maximum(1 - jnp.abs(even), 0.0)))
-    # Half a bin on: values that are all equal lie in the middle of one.
-    return jnp.clip((0.5 + 0.5 * ends) * _BINS + jnp.where(unequal, 0.0, 0.5), 0.0, _BINS)
+    even = (companded - least) / jnp.where(most > least, most - least, 1.0)
+    to_end = jnp.sqrt(0.5 * jnp.clip(jnp.minimum(even, 1 - even), 0.0, 0.5))
+    place = (_KNOTS - 1) * jnp.where(even < 0.5, to_end, 1 - to_end)
+    # Rounding must not move the ends, where the square root would magnify it.
+    smallest, largest = jnp.min(values), jnp.max(values)
+    place = jnp.where(values <= smallest, 0.0, jnp.where(values >= largest, _KNOTS - 1.0, place))
+    return jnp.where(smallest < largest, place, 0.5 * (_KNOTS - 1))
