@@ -136,17 +136,15 @@ def _tile_grain(material: Material, filling: Filling, entry: Array, q: Array) ->
 
 
 def _joint_grain(material: Material, filling: Filling, q: Array) -> Array:
-    """Of the joint above or to the left of a tile; each piece belongs to the joints on two sides of one tile."""
+    """Each piece belongs to the joints on two sides of one tile: above it and to its left."""
     t = material.tiling
-    half = jnp.stack([jnp.zeros_like(t.tile_height), 0.5 * t.tile_height])
-    place = t.locate(q + half)
-    right = (place.right < place.left).astype(jnp.int32)
-    row, column = _stock_place(
-        material,
-        filling.joint_piece[entry_of(material, place.course, place.tile + right)],
-        q,
-        filling.joint_stock.shape[0],
-    )
+    own = t.locate(q)
+    in_bed = jnp.minimum(own.top, own.bottom) < t.mortar_y  # wherever tiles really end
+    below = in_bed & (own.bottom < own.top)
+    place = t.locate(q + jnp.stack([jnp.zeros_like(own.top), jnp.where(below, t.mortar_y, 0.0)]))
+    right = (~in_bed & (place.right < place.left)).astype(jnp.int32)
+    piece = filling.joint_piece[entry_of(material, place.course, place.tile + right)]
+    row, column = _stock_place(material, piece, q, filling.joint_stock.shape[0])
     return filling.joint_stock[row, column]
 
 

@@ -13,8 +13,10 @@ MARGIN = 2.0, 0.1
 
 _MOST_PIXELS = 1 << 18  # of all examples of one kind
 _REACH = 0.4, 4, 64  # of the shorter side of a face, and in pixels: how far edges show in a tile's colour
-_THINNEST = 3  # pixels: nothing can be learnt from the inside of thinner joints
-_LONG = 3  # times its thickness: how long an example of a joint is
+_THINNEST = 4  # pixels: nothing can be learnt from the inside of thinner joints
+_MIDDLE = 0.65  # of a joint: towards tiles there are shadows and what tiles have lost
+_LONG = 8  # times its thickness: how long an example of a joint is
+_DIRT = 10.0  # times as uneven does a strip count that the mask calls all tile
 _FEWEST = 8  # examples of joints
 
 
@@ -104,30 +106,35 @@ def joint_strips(
         masks: of each cell: 1 = tile, 0 = joint.
         thickness: of the joints between tiles, and between courses, in pixels.
     """
-    across = thickness[1] - 2 < _THINNEST  # joints between courses are longer, if they are thick enough
-    high = int(thickness[0] if across else thickness[1]) - 2
+    across = _MIDDLE * thickness[1] < _THINNEST  # joints between courses are longer, if they are thick enough
+    thick = thickness[0] if across else thickness[1]
+    high = int(_MIDDLE * thick)
     channels = cells[0].values.shape[2]
     if high < _THINNEST:
         return np.zeros((0, 1, 1, channels), np.float32)
+    shortest = min(cell.values.shape[0 if across else 1] for cell in cells)
+    long = min(_LONG * high, shortest)
     pieces, dirt = [], []
     for cell, mask in zip(cells, masks, strict=True):
         values, shown, inside = (
             (cell.values.transpose(1, 0, 2), mask.T, cell.right) if across else (cell.values, mask, cell.bottom)
         )
-        start = int(np.argmin(np.abs(inside + 1.5)))  # just below the edge
-        for first in range(0, values.shape[1] - _LONG * high + 1, _LONG * high):
-            window = slice(start, start + high), slice(first, first + _LONG * high)
+        start = int(np.argmin(np.abs(inside + 0.5 * (thick - high) + 0.5)))
+        for first in range(0, values.shape[1] - long + 1, long):
+            window = slice(start, start + high), slice(first, first + long)
             if values[window].shape[0] == high:
                 pieces.append(values[window])
                 dirt.append(float(shown[window].mean()))
-    order = np.argsort(dirt, kind="stable")
-    clean = int(np.sum(np.array(dirt) < 0.02))
-    chosen = order[: min(max(clean, _FEWEST), len(order), max(1, _MOST_PIXELS // (_LONG * high * high)))]
-    if not len(chosen):
+    if not pieces:
         return np.zeros((0, 1, 1, channels), np.float32)
-    strips = np.stack([pieces[n] for n in chosen])
+    strips = np.stack(pieces)
     # How a joint's colour changes across it is not its grain.
-    return strips - np.median(strips, axis=(0, 2), keepdims=True)
+    strips = strips - np.median(strips, axis=(0, 2), keepdims=True)
+    # What reaches into a joint from its tiles makes it uneven, whether the mask knows of it or not.
+    unevenness = np.sqrt(np.mean(np.square(strips - strips.mean(axis=(1, 2), keepdims=True)), axis=(1, 2, 3)))
+    order = np.argsort(unevenness * (1.0 + _DIRT * np.array(dirt)), kind="stable")
+    most = max(1, _MOST_PIXELS // (long * high))
+    return strips[np.sort(order[: min(max(len(order) // 2, _FEWEST), most)])]
 
 
 def _rows_and_columns(cell: Cell) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
