@@ -47,7 +47,7 @@ def look(material: Material, q: Array) -> FilledPixel:
     filling = _filling(material)
     faces = _find_faces(material, q)
     tiles = [face.near() for face in faces]
-    shares = [share_of(tile, material) for tile in tiles]
+    shares = _at_most_all([share_of(tile, material) for tile in tiles])
     entries = jnp.stack([face.entry for face in faces])
     gap = joint_share(shares)
     colour = gap * _joint_colour(material, filling, faces, q)
@@ -63,7 +63,7 @@ def look(material: Material, q: Array) -> FilledPixel:
     deepest = jnp.stack([jnp.minimum(*round_corner(t.inside_x, t.inside_y, material.corner_radius)) for t in tiles])
     entry = entries[jnp.argmax(deepest)]
     identity = jnp.where(jnp.max(deepest) >= 0, material.identity[entry], -1)
-    risen = total([rise_of(tile, material) for tile in tiles])
+    risen = total(_at_most_all([rise_of(tile, material) for tile in tiles]))
     return FilledPixel(colour, gap, sky_over(tiles, risen, material), identity.astype(jnp.float32), roughness)
 
 
@@ -71,7 +71,7 @@ def height(material: Material, q: Array) -> Array:
     """In plane pixels above the joints' floor."""
     filling = _filling(material)
     faces = _find_faces(material, q)
-    risen = [rise_of(face.near(), material) for face in faces]
+    risen = _at_most_all([rise_of(face.near(), material) for face in faces])
     floor = jnp.maximum(1.0 - sum(risen), 0.0) * _joint_grain(material, filling, q)[3]
     if material.wood is not None:
         # Of the tile that counts most; that others share the pixel with it is nothing that shows in heights.
@@ -82,6 +82,12 @@ def height(material: Material, q: Array) -> Array:
         for rise, face in zip(risen, faces, strict=True)
     ]
     return floor + sum(heights)
+
+
+def _at_most_all(shares: list[Array]) -> list[Array]:
+    """Shares of the tiles near a pixel, where outlines may wobble across the whole joint: together no more than 1."""
+    most = jnp.maximum(total(shares), 1.0)
+    return [share / most for share in shares]
 
 
 def _filling(material: Material) -> Filling:
