@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from jaxtex.core.errors import InputError
 from jaxtex.io.arrays import read_arrays, write_arrays
+from jaxtex.material.appearance import appearance_of
 from jaxtex.material.interiors import Interiors
 from jaxtex.material.planks import PlankGrain, PlankInteriors
 from jaxtex.models.files import TilingFile
@@ -43,7 +44,10 @@ def interiors_of_tiles(source: Path | str, file: TilingFile) -> Interiors | None
     Raises:
         InputError: they are not there, damaged, or another model's.
     """
-    return _read_beside(source, (file.appearance or {}).get("interiors"), "tiles", _tiles_from_arrays)
+    interiors = _read_beside(source, (file.appearance or {}).get("interiors"), "tiles", _tiles_from_arrays)
+    if interiors is not None and not set(map(tuple, interiors.places.tolist())) & set(appearance_of(file).tiles):
+        raise InputError(f"{source}: its interiors are those of other tiles; fit the photograph again")
+    return interiors
 
 
 def interiors_of_planks(source: Path | str, file: FloorFile) -> PlankInteriors | None:
@@ -101,8 +105,8 @@ def _tiles_from_arrays(arrays: Mapping[str, npt.NDArray]) -> Interiors:
         contrast=_shaped(arrays, "contrast", (tiles,)),
         offset=_shaped(arrays, "offset", (tiles, 3)),
         shift=_shaped(arrays, "shift", (tiles, 4)),
-        wobble=float(arrays["wobble"]),
-        wobble_length=float(arrays["wobble_length"]),
+        wobble=float(_shaped(arrays, "wobble", ())),
+        wobble_length=float(_shaped(arrays, "wobble_length", ())),
         tile_grain=tuple(_grain(arrays, f"tile_grain_{number}") for number in range(kinds)),
         joint_grain=_grain(arrays, "joint_grain"),
         tile_profile=_shaped(arrays, "tile_profile", (4, None, 3)),
