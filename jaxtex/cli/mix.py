@@ -20,8 +20,9 @@ class Mix:
     open it like any model.
 
     A mask as large as the photograph that the model was fitted to lies over that photograph, however it is turned or
-    seen in perspective; a mask of any other size is stretched over the maps. White shows the layer, black what is
-    below. Later layers lie over earlier ones, and kept parts of the photograph over all of them.
+    seen in perspective, and goes on beyond its border as it is there; a mask of any other size is stretched over the
+    maps. White shows the layer, black what is below. Later layers lie over earlier ones, and kept parts of the
+    photograph over all of them.
 
     Example: jaxtex mix tiles/model.json -o parquet.json --wood oak/model.json --wood-scale 0.5
 

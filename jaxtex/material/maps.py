@@ -143,13 +143,13 @@ def _render_flat(material: Material, finish: _Finish, x: Array, y: Array) -> Map
 
 
 def _render_filled(material: Material, finish: _Finish, x: Array, y: Array) -> Maps:
-    rows = BAND if material.wood is None else ROWS
-    seen = evaluate_points(filled.look, material, x, y, rows=rows)
+    rows = (BAND, BAND) if material.wood is None else ROWS
+    seen = evaluate_points(filled.look, material, x, y, rows=rows[0])
     # Slopes are those of the height as it stands in the map, which takes a pixel more on all sides.
     around = [
         jnp.concatenate([at[:1] - step, at, at[-1:] + step]) for at, step in zip((x, y), material.pixel, strict=True)
     ]
-    height = np.asarray(evaluate_points(filled.height, material, *around, rows=rows))
+    height = np.asarray(evaluate_points(filled.height, material, *around, rows=rows[1]))
     pixel = np.asarray(material.pixel)
     slope_x = (height[1:-1, 2:] - height[1:-1, :-2]) / (2 * pixel[0])
     slope_y = (height[2:, 1:-1] - height[:-2, 1:-1]) / (2 * pixel[1])

@@ -66,7 +66,7 @@ def layer_maps(
 
     Args:
         bands: its maps, as large as those it lies over or larger; what is beyond them is cut off.
-        mask: [row, col], 1 where it is seen.
+        mask: [row, col], 1 where it is seen; beyond its border it goes on as it is there.
         placement: of the maps in the mask.
         size: (width, height) of the maps.
         scale: what heights are multiplied by.
@@ -76,7 +76,7 @@ def layer_maps(
     for rows, band in zip(_bands_of(size), bands, strict=False):
         cropped = type(band)(*(each[: len(rows), : size[0]] for each in band))
         maps = _complete(cropped)
-        share = look_at_picture(mask[..., None], placement, rows=rows, width=size[0])[..., 0]
+        share = look_at_picture(mask[..., None], placement, rows=rows, width=size[0], goes_on=True)[..., 0]
         identity = np.where(maps.tile_id >= 0, maps.tile_id + first_id, maps.tile_id)
         yield Seen(share, maps._replace(height=scale * maps.height + np.float32(lift), tile_id=identity))
 

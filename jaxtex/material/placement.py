@@ -65,9 +65,9 @@ def over_plank(image: tuple[int, int], *, size: tuple[int, int]) -> Placement:
 
 
 def look_at_picture(
-    picture: npt.NDArray[np.float32], placement: Placement, *, rows: range, width: int
+    picture: npt.NDArray[np.float32], placement: Placement, *, rows: range, width: int, goes_on: bool = False
 ) -> npt.NDArray[np.float32]:
-    """What some rows of maps see of a picture; 0 beyond it.
+    """What some rows of maps see of a picture.
 
     Between the picture's pixels values are bilinear. Where a map's pixel covers several of them, it sees the mean of
     samples that lie a pixel apart at most (32 by 32 of them at most).
@@ -77,6 +77,8 @@ def look_at_picture(
         placement: of the maps.
         rows: which of the maps' rows.
         width: of the maps.
+        goes_on: whether the picture goes on, beyond its border, as it is there; else there is 0. Behind the camera
+            there is 0 in any case.
 
     Returns:
         [row, col, channel].
@@ -91,9 +93,7 @@ def look_at_picture(
     for n in range(count**2):
         down, right = divmod(n, count)
         x, y = _place(placement, rows, width, ((right + 0.5) / count, (down + 0.5) / count))
-        there = _is_inside(picture, x, y)
-        if not there.any():
-            continue
+        there = np.isfinite(x) if goes_on else _is_inside(picture, x, y)
         at = np.stack([y[there] - 0.5, x[there] - 0.5])
         for channel, values in enumerate(np.moveaxis(picture, 2, 0)):
             seen[there, channel] += map_coordinates(values, at, order=1, mode="nearest")
@@ -101,13 +101,14 @@ def look_at_picture(
 
 
 def _count_samples(picture: npt.NDArray[np.float32], placement: Placement, rows: range, width: int) -> int:
-    """How many samples a pixel takes along each of its sides: as many as the picture's pixels it is wide."""
+    """How many samples a pixel takes along each of its sides: as many as the picture's pixels that one is wide which
+    sees the picture; 1 where none does."""
     x, y = _place(placement, rows, width, (0.0, 0.5))
     after = _place(placement, rows, width, (1.0, 0.5)), _place(placement, rows, width, (0.5, 1.0))
     above = _place(placement, rows, width, (0.5, 0.0))
     there = _is_inside(picture, x, y)
     if not there.any():
-        return 0
+        return 1
     across = np.hypot(after[0][0] - x, after[0][1] - y)[there].max()
     along = np.hypot(after[1][0] - above[0], after[1][1] - above[1])[there].max()
     return int(np.clip(np.ceil(np.nan_to_num(max(across, along), nan=_MOST) - 1e-6), 1, _MOST))

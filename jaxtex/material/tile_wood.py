@@ -22,8 +22,8 @@ from jaxtex.material.sheet import Sheet, TileTable
 from jaxtex.material.wood import _RELIEF, _ROUGHNESS, _ROUNDING, _ROWS, _SPOT, _in_single, _to_trunk
 from jaxtex.models.wood import Wood, early_share
 
-ROWS = _ROWS
-"""Rows of a map to evaluate at once."""
+ROWS = _ROWS, _ROWS + 1
+"""Rows to evaluate at once of a band of maps, and of a band with one more on either side: both go into it evenly."""
 
 _DEEP = 0.05  # of the photograph's longer side: how deep below the photographed face tiles are cut, either way
 _TONES = 0.08  # standard deviation of the logarithm of how light one piece is against another, as pieces of a trunk are
@@ -67,7 +67,7 @@ class TileWood(eqx.Module):
     corner: Array
     turn: Array
     tone: Array
-    bare: bool = eqx.field(static=True)
+    bare: Array
 
     def mean_colour(self) -> Array:
         """Of the wood, linear light (3,)."""
@@ -131,7 +131,7 @@ def cut_tiles(sheet: Sheet, table: TileTable, timber: Timber, *, pixel: tuple[fl
         corner=jnp.asarray(pad_table(corner.astype(np.float32))),
         turn=jnp.asarray(pad_table((turn * np.array(pixel) / timber.scale).astype(np.float32))),
         tone=jnp.asarray(pad_table(np.exp(_TONES * tone))),
-        bare=timber.bare,
+        bare=jnp.asarray(timber.bare),
     )
 
 
