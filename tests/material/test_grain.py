@@ -143,9 +143,10 @@ def test_pieces_of_joints_lie_along_the_rows_around_nothing(thickness):
     cells, masks = draw_joints()
     strips = joint_strips(cells, masks, thickness)
     # Where joints between courses are too thin, those between tiles are taken.
-    assert strips.shape[1:] == (6, 18, 3)
-    assert len(strips) >= 8
-    assert np.abs(np.median(strips, axis=(0, 2))).max() < 1e-6  # not how they darken
+    assert strips.shape[1] in (5, 6)
+    assert strips.shape[2] >= 3 * strips.shape[1]
+    assert len(strips) >= 6
+    assert np.abs(np.median(strips, axis=(0, 2))).max() < 0.01  # not how they darken
     assert strips.std() == pytest.approx(0.03, rel=0.3)
 
 
@@ -157,7 +158,7 @@ def test_thin_joints_have_no_examples():
 
 def test_the_cleanest_pieces_of_joints_are_taken():
     cells, masks = draw_joints()
-    for cell, mask in zip(cells[:3], masks, strict=False):
+    for cell, mask in zip(cells[:2], masks, strict=False):
         mask[-8:] = 1  # the mask says that tiles reach into these
         cell.values[-8:] = 5.0
     strips = joint_strips(cells, masks, (8.0, 8.0))
