@@ -73,7 +73,7 @@ def render_maps(
         key: random key of the colours of tiles that were not seen, and of interiors; a tile's colour depends on nothing
             else, its interior on the resolution too.
         interiors: what tiles and joints are filled with. Without them they are flat.
-        timber: wood that tiles are made of, in place of what fills them; joints and the tiles' edges stay.
+        timber: wood that tiles are made of, in place of what fills them. Joints stay; tiles' edges become straight.
 
     Raises:
         InputError: a size without pixels, beyond `LONGEST_SIDE`, or with too few pixels for the sheet's tiles.

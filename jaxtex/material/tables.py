@@ -10,7 +10,7 @@ from jaxtex.material.draw import draw_tiles, pad_table
 from jaxtex.material.filling import Filling, make_filling
 from jaxtex.material.interiors import Interiors
 from jaxtex.material.sheet import Sheet
-from jaxtex.material.tile_wood import TileWood, Timber, cut_tiles, plain_filling
+from jaxtex.material.tile_wood import TileWood, Timber, cut_tiles, plain_filling, straighten_edges
 from jaxtex.models.tiling import Tiling
 
 _PIECES, _CUTS = 1, 2  # purposes of the key: which piece of grain, or of wood, a tile is; colours take the key itself
@@ -73,7 +73,8 @@ def make_material(
         pieces = jax.random.fold_in(key, _PIECES)
         filling = make_filling(sheet, table, appearance, interiors, drawn, pixel=pixel, key=pieces)
     wood = None
-    if timber is not None:
+    if timber is not None and filling is not None:
+        filling = straighten_edges(filling)
         wood = cut_tiles(sheet, table, timber, pixel=pixel, key=jax.random.fold_in(key, _CUTS))
     return Material(
         tiling=jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), sheet.tiling),

@@ -135,6 +135,12 @@ def cut_tiles(sheet: Sheet, table: TileTable, timber: Timber, *, pixel: tuple[fl
     )
 
 
+def straighten_edges(filling: Filling) -> Filling:
+    """A filling whose tiles end where the tiling has it, as boards do that a saw has cut."""
+    straight = (jnp.zeros_like(filling.shift), filling.tile_stock.at[..., 4].set(0.0))
+    return eqx.tree_at(lambda each: (each.shift, each.tile_stock), filling, straight)
+
+
 def plain_filling(sheet: Sheet, table: TileTable, appearance: Appearance, drawn: DrawnTiles) -> Filling:
     """A filling without grain, of tiles with straight edges: where a tiling has no interiors, its tiles may be of wood
     all the same."""
