@@ -57,6 +57,7 @@ class SheetOptions(NamedTuple):
         fill: whether tiles and joints are filled, where the file names interiors.
         finishes: names of finishes by structure.
         timber: what tiles are cut of, where they are to be of wood.
+        sheet: laid already; otherwise the photograph's.
         seams_allowed: where no seamless maps can be made, to make others.
     """
 
@@ -67,6 +68,7 @@ class SheetOptions(NamedTuple):
     fill: bool = True
     finishes: Mapping[str, str] = MappingProxyType({})
     timber: Timber | None = None
+    sheet: Sheet | None = None
 
 
 def open_maps(
@@ -151,6 +153,8 @@ def _open_tiling(
 
 def _lay(file: TilingFile, appearance: Appearance, options: SheetOptions) -> tuple[Sheet, tuple[str, ...]]:
     """The sheet, and why it is not seamless although it should be."""
+    if options.sheet is not None:
+        return options.sheet, ()
     lay = partial(lay_photographed_sheet, file, tiles=options.tiles, pattern=appearance.pattern)
     try:
         return lay(seamless=options.seamless), ()

@@ -181,6 +181,12 @@ def test_khronos_has_nothing_to_say(request: pytest.FixtureRequest, model: str, 
         (["--on", "{folder}/none.obj"], "none.obj: there is no such file"),
         (["--on", "{bare}"], "bare.obj: has no texture coordinates; unwrap it in your modeller first"),
         (["--on", "ceiling"], "ceiling: there is no such file"),
+        (["--tiles-in-row", "5"], "--tiles-in-row: is for meshes; for a wall, give --tiles and --repeat"),
+        (["--tiles-in-row", "0", "--on", "{bare}"], "--tiles-in-row: 0 is no number of tiles; give 1 or more"),
+        (["--tiles-in-row", "5", "--tiles", "2x2", "--on", "{bare}"], "leave out --tiles and --repeat"),
+        (["--finish", "tile"], "--finish: 'tile' gives no structure a finish"),
+        (["--finish", "roof=wet"], "'roof' is no structure of a tiling"),
+        (["--finish", "tile=gold"], "'gold' is no finish; give one of dull, satin"),
     ],
 )
 def test_what_cannot_be_exported_is_one_line(
@@ -207,3 +213,20 @@ def test_tiles_are_for_tilings(request: pytest.FixtureRequest, capsys: pytest.Ca
     assert f"--tiles: {path} is a model of" in capsys.readouterr().err
     assert main(["export", str(path.parent / "none.json"), "-o", str(path.parent / "out.glb")]) == 2
     assert "no such file" in capsys.readouterr().err
+
+
+def test_one_tiling_goes_over_all_faces_of_a_mesh(wall: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    tower = wall.parent / "tower.obj"
+    corners = [(1, 1), (1, -1), (-1, -1), (-1, 1)]
+    lines = [f"v {x} {y} {z}" for x, z in corners for y in (0, 3)]
+    lines += [f"f {2 * k + 1} {n + 1} {n + 2} {2 * k + 2}" for k in range(4) for n in (2 * ((k + 1) % 4),)]
+    tower.write_text("\n".join(lines))
+    mesh = export(wall, "--on", str(tower), "--tiles-in-row", "5", "--size", "256x256")
+    told = capsys.readouterr().out
+    assert float(told.partition("to within ")[2].split()[0]) < 0.01
+    assert len(mesh.faces) == 8
+    # Five tiles of twice their height along a wall of 2 m: texture coordinates go by metres in both directions.
+    (columns, rows) = map(float, told.partition("pixels, ")[2].split(" tiles")[0].split(" x "))
+    across, up = np.ptp(mesh.visual.uv[mesh.faces[0]], axis=0) * [columns, rows]
+    assert across == pytest.approx(5, abs=0.6)
+    assert up == pytest.approx(3 / (2 / across) * 2, rel=0.1)
