@@ -132,8 +132,8 @@ def synthesise_texture(
         statistics: of `analyse_texture`.
         shape: (rows, columns), any that holds the statistics' scales and `finer` more.
         key: random key; another key, another piece of the same texture.
-        iterations: of matching sub-bands and pixels in turn. Five bring the contrast of sub-bands of stochastic textures
-            to within a percent or so; smooth pictures such as skies take some more.
+        iterations: of matching sub-bands and pixels in turn. Five bring the contrast of sub-bands of stochastic
+            textures to within a percent or so; smooth pictures such as skies take some more.
         finer: octaves of detail beyond the exemplar's resolution, as `extrapolate_finer` makes them: at `finer=1`, the
             texture is seen at twice the exemplar's resolution.
 
