@@ -125,11 +125,12 @@ def refuse(source: Path, options: Mapping[str, object], what: str) -> None:
 def _open_tiling(
     source: Path, file: TilingFile, size: tuple[int, int] | None, longest: int | None, options: SheetOptions
 ) -> ModelMaps:
-    appearance, timber = appearance_of(file), options.timber
-    if timber is not None:
-        appearance = dataclasses.replace(appearance, tile_specular=0.5, tile_metallic=0.0)  # as wood has it
-        timber = timber._replace(bare="tile" not in options.finishes)
+    timber = options.timber
     try:
+        appearance = appearance_of(file)
+        if timber is not None:
+            appearance = dataclasses.replace(appearance, tile_specular=0.5, tile_metallic=0.0)  # as wood has it
+            timber = timber._replace(bare="tile" not in options.finishes)
         appearance = finish_tiling(appearance, options.finishes)
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
