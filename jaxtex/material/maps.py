@@ -79,6 +79,7 @@ def render_maps(
         InputError: a size without pixels, beyond `LONGEST_SIDE`, or with too few pixels for the sheet's tiles.
 
     Examples:
+        >>> import jax
         >>> grey = Appearance(tiles={(0, 0): (0.3, 0.3, 0.3)}, joint=(0.5, 0.5, 0.5), joint_depth=2.0, edge_width=2.0)
         >>> from jaxtex.material.sheet import lay_sheet
         >>> from jaxtex.models.tiling import make_tiling
