@@ -46,7 +46,8 @@ def make_grain(
     Returns:
         [side, side, 3]; it repeats seamlessly. All zeros where there is no example large enough to show anything.
     """
-    finer = max(0, round(math.log2(1.0 / math.sqrt(pixel[0] * pixel[1]))))
+    octaves = round(math.log2(1.0 / math.sqrt(pixel[0] * pixel[1])))
+    finer = min(max(0, octaves), most_scales((side, side)))
     seen = _resample(examples, (1.0 / (pixel[1] * 2**finer), 1.0 / (pixel[0] * 2**finer)))
     if not len(seen) or seen.shape[1] * seen.shape[2] < _SMALLEST**2 or min(seen.shape[1:3]) < 2:
         return np.zeros((side, side, 3), np.float32)

@@ -146,3 +146,8 @@ def test_slopes_follow_the_contrast_up_to_a_limit():
     assert 0 < slope < choose_slope(2 * grain) <= choose_slope(100 * grain) == 0.25
     assert choose_slope(np.zeros((0, 1, 1, 3))) == choose_slope(np.zeros((1, 9, 9, 3))) == 0
     assert slope == round(slope, 3)
+
+
+def test_a_tile_may_be_seen_at_any_size():
+    stock = make_grain(draw_examples(1, 16, 16), (2.0**-9, 2.0**-9), 256, key=KEY)
+    assert np.isfinite(stock).all()
