@@ -163,9 +163,9 @@ def estimate_memory(shape: tuple[int, int], *, orientations: int, channels: int)
 
     Examples:
         >>> round(estimate_memory((4096, 4096), orientations=4, channels=3) / 2**30, 1)
-        4.1
+        5.7
     """
-    return shape[0] * shape[1] * (100 + 32 * orientations + 12 * channels)
+    return shape[0] * shape[1] * (100 + 55 * orientations + 15 * channels)
 
 
 @partial(jax.jit, static_argnums=(3, 4))
