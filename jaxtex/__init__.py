@@ -62,8 +62,14 @@ if TYPE_CHECKING:
     from jaxtex.material.maps import render_maps as render_maps
     from jaxtex.material.measure import measure_appearance as measure_appearance
     from jaxtex.material.mismatch import measure_mismatch as measure_mismatch
+    from jaxtex.material.mixture import keep_photograph as keep_photograph
+    from jaxtex.material.mixture import layer_maps as layer_maps
+    from jaxtex.material.mixture import mix_maps as mix_maps
     from jaxtex.material.overlay import draw_overlay as draw_overlay
     from jaxtex.material.packing import pack_maps as pack_maps
+    from jaxtex.material.placement import over_photograph as over_photograph
+    from jaxtex.material.placement import over_picture as over_picture
+    from jaxtex.material.placement import over_plank as over_plank
     from jaxtex.material.planks import PlankInteriors as PlankInteriors
     from jaxtex.material.planks import measure_planks as measure_planks
     from jaxtex.material.preview import shade_maps as shade_maps
@@ -72,6 +78,7 @@ if TYPE_CHECKING:
     from jaxtex.material.sheet import Sheet as Sheet
     from jaxtex.material.sheet import lay_photographed_sheet as lay_photographed_sheet
     from jaxtex.material.sheet import lay_sheet as lay_sheet
+    from jaxtex.material.tile_wood import Timber as Timber
     from jaxtex.material.wood import WoodMaps as WoodMaps
     from jaxtex.material.wood import carve_mesh as carve_mesh
     from jaxtex.material.wood import render_block as render_block
@@ -79,12 +86,17 @@ if TYPE_CHECKING:
     from jaxtex.material.wood import render_wood as render_wood
     from jaxtex.models.envelope import SourceImage as SourceImage
     from jaxtex.models.files import TilingFile as TilingFile
+    from jaxtex.models.files import load_any as load_any
     from jaxtex.models.files import load_model as load_model
     from jaxtex.models.files import save_model as save_model
     from jaxtex.models.files import tiling_parameters as tiling_parameters
     from jaxtex.models.floor_files import FloorFile as FloorFile
     from jaxtex.models.floor_files import PlacedWood as PlacedWood
     from jaxtex.models.grids import coverage_grid as coverage_grid
+    from jaxtex.models.mixture_files import MixedWood as MixedWood
+    from jaxtex.models.mixture_files import MixtureFile as MixtureFile
+    from jaxtex.models.mixture_files import ModelLayer as ModelLayer
+    from jaxtex.models.mixture_files import PhotographLayer as PhotographLayer
     from jaxtex.models.tiling import Tiling as Tiling
     from jaxtex.models.tiling import make_tiling as make_tiling
     from jaxtex.models.wood import Wood as Wood
@@ -173,6 +185,11 @@ _PUBLIC = {
     "SourceImage": "jaxtex.models.envelope",
     "load_model": "jaxtex.models.files",
     "save_model": "jaxtex.models.files",
+    "load_any": "jaxtex.models.files",
+    "MixtureFile": "jaxtex.models.mixture_files",
+    "MixedWood": "jaxtex.models.mixture_files",
+    "ModelLayer": "jaxtex.models.mixture_files",
+    "PhotographLayer": "jaxtex.models.mixture_files",
     "tiling_parameters": "jaxtex.models.files",
     "canonical_wood": "jaxtex.models.wood_files",
     "wood_parameters": "jaxtex.models.wood_files",
@@ -202,6 +219,13 @@ _PUBLIC = {
     "Maps": "jaxtex.material.maps",
     "render_maps": "jaxtex.material.maps",
     "pack_maps": "jaxtex.material.packing",
+    "Timber": "jaxtex.material.tile_wood",
+    "mix_maps": "jaxtex.material.mixture",
+    "layer_maps": "jaxtex.material.mixture",
+    "keep_photograph": "jaxtex.material.mixture",
+    "over_photograph": "jaxtex.material.placement",
+    "over_picture": "jaxtex.material.placement",
+    "over_plank": "jaxtex.material.placement",
     "lay_tiling": "jaxtex.material.adjacent",
     "lay_adjacent": "jaxtex.material.adjacent",
     "Layout": "jaxtex.material.adjacent",

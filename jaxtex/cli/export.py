@@ -58,7 +58,7 @@ class Export:
     no_fill: Switch = False
     """Leave tiles and joints flat, each of one colour."""
     finish: Annotated[tuple[str, ...], tyro.conf.arg(metavar="PART=FINISH [...]", help_behavior_hint="")] = ()
-    """Tilings: finishes of tiles and joints, as 'jaxtex render' has them."""
+    """Finishes of tiles and joints, or of early and late wood, as 'jaxtex render' has them."""
     seed: int = 0
     """Tilings: of the colours of tiles that the photograph does not show, and of interiors."""
 
@@ -109,7 +109,7 @@ class Export:
             options = options._replace(sheet=None if layout is None else layout.sheet)
         else:
             what = "a floor" if isinstance(file, FloorFile) else "wood, which has no tiles"
-            refused = {"--tiles": tiles, "--tiles-in-row": self.tiles_in_row, "--finish": finishes or None}
+            refused = {"--tiles": tiles, "--tiles-in-row": self.tiles_in_row}
             refuse(self.model, refused, what)
         return file, open_maps(self.model, file, size=size, longest=_LONGEST_SIDE, options=options), layout
 

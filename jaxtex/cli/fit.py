@@ -125,9 +125,9 @@ class Wood:
     material.
 
     Writes model.json, mask.png (early wood, the lighter, white), overlay.png (early wood outlined; look at this one
-    first), rings.png (the rings, to be counted), the maps basecolor.png, height.exr, normal.png and roughness.png, and
-    report.html. 'jaxtex render' makes blocks and carved meshes of the model. The exit status is 1 where the picture
-    shows no wood of one piece; the best guess is written all the same.
+    first), rings.png (the rings, to be counted), the maps basecolor.png, height.exr, normal.png, roughness.png,
+    specular.png and metallic.png, and report.html. 'jaxtex render' makes blocks and carved meshes of the model. The
+    exit status is 1 where the picture shows no wood of one piece; the best guess is written all the same.
 
     Example: jaxtex fit wood plank.jpg -o plank
 

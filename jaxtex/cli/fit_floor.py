@@ -15,8 +15,9 @@ class Floor:
     """Find the planks of a floor, a fence or parquet seen straight on, and fit wood to each of them.
 
     Writes model.json, overlay.png (look at this one first), the maps basecolor.png, height.exr, normal.png,
-    roughness.png and tile_id.exr (the planks' numbers), and what planks are filled with, interiors.npz. The exit status
-    is 1 where the picture shows no planks of wood; the best guess is written all the same.
+    roughness.png, specular.png, metallic.png and tile_id.exr (the planks' numbers), and what planks are filled with,
+    interiors.npz. The exit status is 1 where the picture shows no planks of wood; the best guess is written all the
+    same.
 
     Example: jaxtex fit floor floor.jpg -o floor
 

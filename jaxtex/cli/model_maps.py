@@ -11,7 +11,7 @@ import jax
 
 from jaxtex.core.errors import InputError
 from jaxtex.material.appearance import Appearance, appearance_of
-from jaxtex.material.finish import finish_tiling
+from jaxtex.material.finish import finish_tiling, finish_wood
 from jaxtex.material.floor import render_floor
 from jaxtex.material.interior_files import interiors_of_planks, interiors_of_tiles
 from jaxtex.material.maps import render_maps
@@ -95,13 +95,16 @@ def open_maps(
         return _open_tiling(source, file, size, longest, options)
     image = file.image.width, file.image.height
     size = size or _at_most(longest, image)
+    finish = finish_wood(options.finishes)
     if isinstance(file, FloorFile):
         interiors = interiors_of_planks(source, file) if options.fill else None
         key = jax.random.key(options.seed)
-        bands: Iterator[NamedTuple] = render_floor(file.planks, image=image, size=size, interiors=interiors, key=key)
+        bands: Iterator[NamedTuple] = render_floor(
+            file.planks, image=image, size=size, interiors=interiors, key=key, finish=finish
+        )
         placement, planks = over_picture(image, size=size), len(file.planks)
         return ModelMaps(bands, size, image, f"{planks} planks", placement, ids=planks)
-    bands = render_wood(file.wood, across=image[0], size=size)
+    bands = render_wood(file.wood, across=image[0], size=size, finish=finish)
     extent = image[0], image[0] * size[1] / size[0]
     return ModelMaps(bands, size, extent, "wood", over_plank(image, size=size))
 

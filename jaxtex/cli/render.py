@@ -8,6 +8,7 @@ import tyro
 
 if TYPE_CHECKING:
     from jaxtex.cli.model_maps import ModelMaps, SheetOptions
+    from jaxtex.material.finish import WoodFinish
     from jaxtex.models.floor_files import FloorFile
     from jaxtex.models.mixture_files import MixtureFile
 
@@ -17,9 +18,9 @@ Switch = Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help_behavi
 
 @dataclass(frozen=True, kw_only=True)
 class Render:
-    """Make the material maps of a model file: basecolor.png, height.exr, normal.png, roughness.png, of tilings
-    and floors tile_id.exr, and of tilings and mixtures specular.png, metallic.png and occlusion.png. Of wood, a block
-    of voxels (--block) or a carved mesh (--mesh) instead.
+    """Make the material maps of a model file: basecolor.png, height.exr, normal.png, roughness.png, specular.png,
+    metallic.png, of tilings and floors tile_id.exr, and of tilings occlusion.png. Of wood, a block of voxels (--block)
+    or a carved mesh (--mesh) instead.
 
     Of a tiling, courses come out horizontal, without perspective. Tiles that the photograph shows have their own
     colours; others get colours like these. Of wood, pixels are square, and maps taller than the photograph show more
@@ -48,8 +49,8 @@ class Render:
     no_fill: Switch = False
     """Leave tiles and joints flat, each of one colour; of floors, leave planks with the rings of their model alone."""
     finish: Annotated[tuple[str, ...], tyro.conf.arg(metavar="PART=FINISH [...]", help_behavior_hint="")] = ()
-    """Tilings: what tiles and joints are finished with, such as tile=varnish joint=dull. Finishes are dull, satin,
-    varnish, wet and mirror."""
+    """What tiles and joints of tilings, and early and late wood, are finished with, such as tile=varnish joint=dull.
+    Finishes are dull, satin, varnish, wet and mirror."""
     seed: int = 0
     """Tilings: of the colours of tiles that the photograph does not show, and of interiors."""
     block: Annotated[str | None, tyro.conf.arg(metavar="DxHxW", help_behavior_hint="")] = None
@@ -71,11 +72,13 @@ class Render:
         check_seed(self.seed)
 
         from jaxtex.cli.model_maps import SheetOptions, open_maps, refuse
+        from jaxtex.material.finish import finish_wood
         from jaxtex.models.files import TilingFile, load_any
         from jaxtex.models.floor_files import FloorFile
         from jaxtex.models.mixture_files import MixtureFile
 
         file = load_any(self.model)
+        of_tilings = {"--tiles": tiles, "--seamless": self.seamless or None}
         options = SheetOptions(tiles, self.seamless, self.seed, fill=not self.no_fill, finishes=finishes)
         if isinstance(file, MixtureFile):
             refuse(self.model, {"--block": block, "--mesh": self.mesh}, "a mixture; it is for wood")
@@ -84,25 +87,25 @@ class Render:
             refuse(self.model, {"--block": block, "--mesh": self.mesh}, "a tiling; it is for wood")
             self._write_maps(open_maps(self.model, file, size=size, options=options))
         elif isinstance(file, FloorFile):
-            refuse(self.model, {"--tiles": tiles, "--seamless": self.seamless or None}, "a floor")
+            refuse(self.model, of_tilings, "a floor")
             refuse(self.model, {"--block": block, "--mesh": self.mesh}, "a floor")
-            self._render_floor(file, size, fill=not self.no_fill)
+            self._render_floor(file, size, finish_wood(finishes))
         else:
-            refuse(self.model, {"--tiles": tiles, "--seamless": self.seamless or None}, "wood, which has no tiles")
-            render_wood_file(file, self.output, WoodTask(size=size, block=block, mesh=self.mesh))
+            refuse(self.model, of_tilings | {"--no-fill": self.no_fill or None}, "wood, which has no tiles")
+            render_wood_file(file, self.output, WoodTask(size, block, self.mesh, finishes))
         if not file.report["ok"]:
             print(f"  note: this model is a best guess; its fit did not succeed: {file.report['reason']}")
         return 0
 
-    def _render_floor(self, file: "FloorFile", size: tuple[int, int] | None, *, fill: bool) -> None:
+    def _render_floor(self, file: "FloorFile", size: tuple[int, int] | None, finish: "WoodFinish") -> None:
         from jaxtex.cli.results_floor import write_floor_maps
         from jaxtex.io.files import prepare_folder
         from jaxtex.material.interior_files import interiors_of_planks
 
         width, height = size or (file.image.width, file.image.height)
-        interiors = interiors_of_planks(self.model, file) if fill else None
+        interiors = None if self.no_fill else interiors_of_planks(self.model, file)
         folder = prepare_folder(self.output)
-        write_floor_maps(folder, file, interiors, size=(width, height))
+        write_floor_maps(folder, file, interiors, size=(width, height), finish=finish)
         print(f"{folder}: maps of {width} x {height} pixels, {len(file.planks)} planks")
 
     def _render_mixture(self, file: "MixtureFile", size: tuple[int, int] | None, options: "SheetOptions") -> int:

@@ -1,9 +1,12 @@
 """What `jaxtex render` makes of wood: maps of the plank, a block of voxels, a carved mesh."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from jaxtex.core.errors import InputError
+from jaxtex.material.finish import BARE_WOOD, WoodFinish, finish_wood
 
 if TYPE_CHECKING:
     from jaxtex.models.wood_files import WoodFile
@@ -16,11 +19,13 @@ class WoodTask(NamedTuple):
         size: (width, height) of the maps in pixels.
         block: (depth, height, width) in voxels.
         mesh: the file of the mesh to carve.
+        finishes: names of finishes by structure.
     """
 
     size: tuple[int, int] | None = None
     block: tuple[int, int, int] | None = None
     mesh: Path | None = None
+    finishes: Mapping[str, str] = MappingProxyType({})
 
 
 def render_wood_file(file: "WoodFile", output: Path, task: WoodTask) -> None:
@@ -29,27 +34,31 @@ def render_wood_file(file: "WoodFile", output: Path, task: WoodTask) -> None:
     Raises:
         InputError: it cannot be made; nothing is written then.
     """
-    given = [f"--{option}" for option, value in task._asdict().items() if value is not None]
+    given = [f"--{option}" for option in ("size", "block", "mesh") if getattr(task, option) is not None]
     if len(given) > 1:
         raise InputError(f"{' and '.join(given)}: ask for different things; give one of them")
+    if task.finishes and given and given != ["--size"]:
+        raise InputError(f"{given[0]}: holds colours alone, which --finish does not change; leave one of them out")
+    finish = finish_wood(task.finishes)
     if task.block is not None:
         _write_block(file, output, task.block)
     elif task.mesh is not None:
         _write_carving(file, output, task.mesh)
     else:
         size = task.size or (file.image.width, file.image.height)
-        write_plank(output, file, size=size)
+        write_plank(output, file, size=size, finish=finish)
         scale = size[0] / file.image.width
         print(f"{output}: maps of {size[0]} x {size[1]} pixels, {scale:g} to one of the photograph")
 
 
-def write_plank(folder: Path, file: "WoodFile", *, size: tuple[int, int]) -> None:
+def write_plank(folder: Path, file: "WoodFile", *, size: tuple[int, int], finish: WoodFinish = BARE_WOOD) -> None:
     """Write the maps of the photographed plank into a folder, with a bar for a person who waits.
 
     Args:
         folder: where to; it is made if there is none.
         file: the model.
         size: (width, height) of the maps in pixels.
+        finish: of early and of late wood.
 
     Raises:
         InputError: as `render_wood`, `prepare_folder` and `write_maps`.
@@ -60,7 +69,7 @@ def write_plank(folder: Path, file: "WoodFile", *, size: tuple[int, int]) -> Non
     from jaxtex.material.export import write_maps
     from jaxtex.material.wood import WoodMaps, render_wood
 
-    bands = render_wood(file.wood, across=file.image.width, size=size)
+    bands = render_wood(file.wood, across=file.image.width, size=size, finish=finish)
     shown = progress(bands, "rendering maps", total=count_bands(size))
     write_maps(prepare_folder(folder), shown, size=size, fields=WoodMaps._fields)
 

@@ -28,7 +28,7 @@ from jaxtex.material.interior_files import write_interiors
 from jaxtex.material.interiors import Interiors, measure_interiors
 from jaxtex.material.maps import render_maps
 from jaxtex.material.measure import measure_appearance
-from jaxtex.material.overlay import draw_overlay
+from jaxtex.material.overlay import draw_overlay, draw_tiles_alone
 from jaxtex.material.regions import Regions
 from jaxtex.material.report import write_report
 from jaxtex.material.sheet import Sheet, lay_photographed_sheet
@@ -136,6 +136,8 @@ def write_fit(
     write_sheet(folder, sheet, appearance_of(file), look.interiors, size=size or _choose_size(sheet), seed=seed)
     if look.interiors is not None:
         write_interiors(folder / "interiors.npz", look.interiors)
+        learnt = look.interiors.places[look.interiors.learnt]
+        write_image(folder / "regions.png", draw_tiles_alone(photo.pixels, fit.tiling, learnt))
     write_mask(folder / "mask.png", fit.mask)
     write_image(folder / "overlay.png", draw_overlay(photo.pixels, fit.tiling))
     save_model(folder / "model.json", file)

@@ -10,6 +10,7 @@ from jaxtex.fitting.floor import FloorFit
 from jaxtex.io.images import Image, write_image
 from jaxtex.material.bands import count_bands
 from jaxtex.material.export import write_maps
+from jaxtex.material.finish import BARE_WOOD, WoodFinish
 from jaxtex.material.floor import FloorMaps, draw_planks, render_floor
 from jaxtex.material.interior_files import write_interiors
 from jaxtex.material.planks import PlankInteriors, measure_planks
@@ -67,13 +68,20 @@ def write_floor_fit(
     return file
 
 
-def write_floor_maps(folder: Path, file: FloorFile, interiors: PlankInteriors | None, *, size: tuple[int, int]) -> None:
+def write_floor_maps(
+    folder: Path,
+    file: FloorFile,
+    interiors: PlankInteriors | None,
+    *,
+    size: tuple[int, int],
+    finish: WoodFinish = BARE_WOOD,
+) -> None:
     """Write the maps of a floor into an existing folder.
 
     Raises:
         InputError: as `render_floor` and `write_maps`.
     """
     image, key = (file.image.width, file.image.height), jax.random.key(file.seed)
-    bands = render_floor(file.planks, image=image, size=size, interiors=interiors, key=key)
+    bands = render_floor(file.planks, image=image, size=size, interiors=interiors, key=key, finish=finish)
     shown = progress(bands, "rendering maps", total=count_bands(size))
     write_maps(folder, shown, size=size, fields=FloorMaps._fields)

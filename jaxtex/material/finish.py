@@ -60,6 +60,34 @@ def finish_tiling(appearance: Appearance, finishes: Mapping[str, str]) -> Appear
     return dataclasses.replace(appearance, **changes)
 
 
+class WoodFinish(NamedTuple):
+    """Of early and of late wood."""
+
+    early: Finish
+    late: Finish
+
+
+BARE_WOOD = WoodFinish(Finish(0.65, 0.5), Finish(0.5, 0.5))
+"""Late wood, the harder, shines a little more, as on a brushed plank."""
+
+
+def finish_wood(finishes: Mapping[str, str]) -> WoodFinish:
+    """Give structures of wood a finish; those without one stay bare.
+
+    Args:
+        finishes: names of finishes by structure: early, late.
+
+    Raises:
+        InputError: there is no such structure or finish.
+
+    Examples:
+        >>> finish_wood({"late": "varnish"}).late.roughness
+        0.12
+    """
+    check_structures(finishes, WoodFinish._fields, "wood")
+    return BARE_WOOD._replace(**{structure: find_finish(name) for structure, name in finishes.items()})
+
+
 def check_structures(finishes: Mapping[str, str], structures: tuple[str, ...], model: str) -> None:
     """Refuse finishes of structures that a model does not have.
 

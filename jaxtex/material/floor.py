@@ -10,16 +10,17 @@ from jax import Array
 
 from jaxtex.core.colour import srgb_to_linear
 from jaxtex.material.bands import BAND, check_sides, normals_of
+from jaxtex.material.finish import BARE_WOOD, Finish, WoodFinish
 from jaxtex.material.overlay import paint_lines
 from jaxtex.material.plank_filling import PlankFilling, fill_planks
 from jaxtex.material.planks import PlankInteriors, without_fibres
-from jaxtex.material.wood import look_at_plank
+from jaxtex.material.wood import WoodMaps, look_at_plank
 from jaxtex.models.floor_files import PlacedWood
 
 _JOINT = 1.5  # pixels of the photograph: how broad the joint is that each plank has on its sides
 _DARK = 0.15  # of late wood's colour: the joint's
 _DEEP = 2.0  # pixels of the photograph: how deep it lies
-_ROUGH = 0.9
+_BETWEEN = Finish(0.9, 0.5)
 _SPOT = 0.5  # standard deviation of what a pixel sees, in pixels
 
 
@@ -32,6 +33,8 @@ class FloorMaps(NamedTuple):
     normal: npt.NDArray[np.float32]
     roughness: npt.NDArray[np.float32]
     tile_id: npt.NDArray[np.float32]
+    specular: npt.NDArray[np.float32]
+    metallic: npt.NDArray[np.float32]
 
 
 def render_floor(
@@ -41,6 +44,7 @@ def render_floor(
     size: tuple[int, int],
     interiors: PlankInteriors | None = None,
     key: Array | None = None,
+    finish: WoodFinish = BARE_WOOD,
 ) -> Iterator[FloorMaps]:
     """Render the maps of a floor as far as the photograph shows it, some rows at a time from top to bottom.
 
@@ -51,12 +55,15 @@ def render_floor(
         interiors: what planks look like beyond their rings. Without them each plank has rings, its own or such as the
             others have, and two tones.
         key: random key of the grain; needed where there are interiors.
+        finish: of early and of late wood.
 
     Raises:
         InputError: a size without pixels, or too large.
     """
     check_sides(size)
-    return _render_bands(planks, image, size, interiors, key)
+    if interiors is not None and key is None:
+        raise ValueError("a floor with interiors needs a random key")
+    return _render_bands(planks, image, size, interiors, key, finish)
 
 
 def _render_bands(
@@ -65,15 +72,15 @@ def _render_bands(
     size: tuple[int, int],
     interiors: PlankInteriors | None,
     key: Array | None,
+    finish: WoodFinish,
 ) -> Iterator[FloorMaps]:
     scale = image[0] / size[0], image[1] / size[1]
     filling = None
-    if interiors is not None:
-        if key is None:
-            raise ValueError("a floor with interiors needs a random key")
+    if interiors is not None and key is not None:
         filling = fill_planks(planks, interiors, pixel=scale, key=key)
+    look = _Look(planks, filling, finish, scale)
     for first in range(0, size[1], BAND):
-        yield _render_rows(planks, filling, scale, (first, min(BAND, size[1] - first), size[0]))
+        yield _render_rows(look, (first, min(BAND, size[1] - first), size[0]))
 
 
 def draw_planks(pixels: npt.NDArray[np.float32], planks: Sequence[PlacedWood]) -> npt.NDArray[np.float32]:
@@ -100,47 +107,39 @@ def draw_planks(pixels: npt.NDArray[np.float32], planks: Sequence[PlacedWood]) -
     return shown
 
 
-def _render_rows(
-    planks: Sequence[PlacedWood],
-    filling: PlankFilling | None,
-    scale: tuple[float, float],
-    band: tuple[int, int, int],
-) -> FloorMaps:
+class _Look(NamedTuple):
+    """All that a point of a floor depends on but its place."""
+
+    planks: Sequence[PlacedWood]
+    filling: PlankFilling | None
+    finish: WoodFinish
+    scale: tuple[float, float]  # breadth and height of a map's pixel, in pixels of the photograph
+
+
+def _render_rows(look: _Look, band: tuple[int, int, int]) -> FloorMaps:
     """Maps of a band: its first row, its rows and columns."""
     first, rows, columns = band
     # One pixel more on all sides, from which slopes are taken.
     row, column = np.indices((rows + 2, columns + 2)) - 0.5
-    shown = _look(planks, filling, column * scale[0], (row + first) * scale[1], scale)
-    height = shown.height
-    slope_x = (height[1:-1, 2:] - height[1:-1, :-2]) / (2 * scale[0])
-    slope_y = (height[2:, 1:-1] - height[:-2, 1:-1]) / (2 * scale[1])
-    normal = np.asarray(normals_of(jnp.asarray(slope_x), jnp.asarray(slope_y)))
-    base_colour, height, roughness, tile_id = (each[1:-1, 1:-1] for each in shown)
-    return FloorMaps(base_colour, height, normal, roughness, tile_id)
+    seen = _see_floor(look, column * look.scale[0], (row + first) * look.scale[1])
+    slope_x = (seen.height[1:-1, 2:] - seen.height[1:-1, :-2]) / (2 * look.scale[0])
+    slope_y = (seen.height[2:, 1:-1] - seen.height[:-2, 1:-1]) / (2 * look.scale[1])
+    inside = FloorMaps(*(each[1:-1, 1:-1] for each in seen))
+    return inside._replace(normal=np.asarray(normals_of(jnp.asarray(slope_x), jnp.asarray(slope_y))))
 
 
-class _Seen(NamedTuple):
-    base_colour: npt.NDArray[np.float32]
-    height: npt.NDArray[np.float32]
-    roughness: npt.NDArray[np.float32]
-    tile_id: npt.NDArray[np.float32]
-
-
-def _look(
-    planks: Sequence[PlacedWood],
-    filling: PlankFilling | None,
-    x: npt.NDArray[np.float64],
-    y: npt.NDArray[np.float64],
-    scale: tuple[float, float],
-) -> _Seen:
-    """What points of the floor [row, col] show."""
-    seen = _Seen(
+def _see_floor(look: _Look, x: npt.NDArray[np.float64], y: npt.NDArray[np.float64]) -> FloorMaps:
+    """What points of the floor [row, col] show, but for normals."""
+    seen = FloorMaps(
         base_colour=np.zeros((*x.shape, 3), np.float32),
         height=np.full(x.shape, -_DEEP, np.float32),
-        roughness=np.full(x.shape, _ROUGH, np.float32),
+        normal=np.zeros((*x.shape, 3), np.float32),
+        roughness=np.full(x.shape, _BETWEEN.roughness, np.float32),
         tile_id=np.full(x.shape, -1, np.float32),
+        specular=np.full(x.shape, _BETWEEN.specular, np.float32),
+        metallic=np.full(x.shape, _BETWEEN.metallic, np.float32),
     )
-    for number, plank in enumerate(planks):
+    for number, plank in enumerate(look.planks):
         inside = _depth_inside(plank.corners, x, y)
         here = inside > 0
         if not here.any():
@@ -148,18 +147,29 @@ def _look(
         middle = plank.corners.mean(0)
         points = np.stack([x[here] - middle[0], y[here] - middle[1]], axis=1)
         joint = np.clip((_JOINT - inside[here]) / _JOINT, 0, 1)[:, None].astype(np.float32)
-        rings = plank.wood if filling is None else without_fibres(plank.wood)
-        wood = look_at_plank(rings, points, spot=_SPOT * max(scale))
-        colour, height = wood.base_colour, wood.height
+        wood = _see_plank(look, number, points)
         dark = _DARK * np.asarray(plank.wood.late_rgb, np.float32)
-        if filling is not None:
-            colour, height = filling.finish(number, points, colour, height)
-            dark = srgb_to_linear(filling.joint)
-        seen.base_colour[here] = colour + joint * (dark - colour)
-        seen.height[here] = height - joint[:, 0] * (_DEEP + height)
-        seen.roughness[here] = wood.roughness + joint[:, 0] * (_ROUGH - wood.roughness)
+        if look.filling is not None:
+            dark = srgb_to_linear(look.filling.joint)
+        seen.base_colour[here] = wood.base_colour + joint * (dark - wood.base_colour)
+        seen.height[here] = wood.height - joint[:, 0] * (_DEEP + wood.height)
+        for name, between in _BETWEEN._asdict().items():
+            own = getattr(wood, name)
+            getattr(seen, name)[here] = own + joint[:, 0] * (between - own)
         seen.tile_id[here] = number
     return seen
+
+
+def _see_plank(look: _Look, number: int, points: npt.NDArray[np.float64]) -> WoodMaps:
+    """What points [point, 2] of a plank, from its middle, show."""
+    plank, filling, spot = look.planks[number], look.filling, _SPOT * max(look.scale)
+    if filling is None:
+        return look_at_plank(plank.wood, points, spot=spot, finish=look.finish)
+    # Where rings were not read, none are drawn, and the finish is that of early wood all over.
+    finish = look.finish if plank.own else WoodFinish(look.finish.early, look.finish.early)
+    wood = look_at_plank(without_fibres(plank.wood), points, spot=spot, finish=finish)
+    colour, height = filling.finish(number, points, wood.base_colour, wood.height)
+    return wood._replace(base_colour=colour, height=height)
 
 
 def _depth_inside(corners: npt.NDArray[np.float64], x: npt.NDArray, y: npt.NDArray) -> npt.NDArray[np.float64]:

@@ -80,6 +80,7 @@ def _read_beside(
 def _tile_arrays(interiors: Interiors) -> dict[str, npt.ArrayLike]:
     names = (
         "places",
+        "learnt",
         "kind",
         "contrast",
         "offset",
@@ -101,6 +102,7 @@ def _tiles_from_arrays(arrays: Mapping[str, npt.NDArray]) -> Interiors:
         raise ValueError("kind")
     return Interiors(
         places=_shaped(arrays, "places", (tiles, 2)),
+        learnt=_shaped(arrays, "learnt", (tiles,)).astype(bool),
         kind=kind,
         contrast=_shaped(arrays, "contrast", (tiles,)),
         offset=_shaped(arrays, "offset", (tiles, 3)),

@@ -26,7 +26,7 @@ from jaxtex.material.grain import (
     tile_profile,
 )
 from jaxtex.material.patterns import class_of
-from jaxtex.material.regions import Regions, cut_grain, cut_joints
+from jaxtex.material.regions import Regions, cut_grain, cut_joints, find_tiles
 from jaxtex.models.tiling import Tiling
 from jaxtex.photo.pictures import check_picture
 
@@ -43,6 +43,7 @@ class Interiors:
 
     Attributes:
         places: (course, tile) of the tiles measured, [tile, 2].
+        learnt: whether grain was learnt from the tile, [tile].
         kind: which of `tile_grain` each tile's grain is like, [tile].
         contrast: how strong it is, against the examples, [tile].
         offset: by how much the mean of each tile's inside is off the tile's colour, [tile, 3].
@@ -55,6 +56,7 @@ class Interiors:
     """
 
     places: npt.NDArray[np.int32]
+    learnt: npt.NDArray[np.bool_]
     kind: npt.NDArray[np.int32]
     contrast: npt.NDArray[np.float32]
     offset: npt.NDArray[np.float32]
@@ -116,6 +118,7 @@ def measure_interiors(
     even = [grain / strength for grain, strength in zip(grains, contrast, strict=True)]
     examples = tuple(_examples(even, clean, kind, each) for each in range(int(kind.max()) + 1))
     if regions.tiles:
+        clean = find_tiles(tiling, cells, regions.tiles)
         examples = (stack_regions([cut_grain(tiling, cells, even, each) for each in regions.tiles], all_of_them=True),)
         kind = np.zeros_like(kind)
     strips = joint_strips(cells, masks, joint)
@@ -124,6 +127,7 @@ def measure_interiors(
     joint_colour = linear_to_srgb(np.array(appearance.joint)).astype(np.float32)
     return Interiors(
         places=places,
+        learnt=np.isin(np.arange(len(cells)), clean),
         kind=kind.astype(np.int32),
         contrast=contrast,
         offset=_offsets(cells, grains, appearance),

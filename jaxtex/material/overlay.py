@@ -17,6 +17,7 @@ _LINE = np.array([0.0, 0.9, 0.75], np.float32)  # linear light: a cyan that bric
 _CASING = np.array([0.0, 0.02, 0.03], np.float32)  # beside the lines, so that they show on light ground as well
 _ALONG = np.array([1.0, 0.03, 0.1], np.float32)
 _ACROSS = np.array([1.0, 0.6, 0.0], np.float32)
+_DIMMED = 0.1  # of its light, linear
 _BREADTH = 1 / 900  # of the lines, as a fraction of the picture's longer side
 
 
@@ -53,6 +54,31 @@ def draw_overlay(pixels: npt.ArrayLike, tiling: Tiling) -> npt.NDArray[np.float3
         paint_lines(
             shown, _distance_to_arrow(np.asarray(origin), np.asarray(tip), breadth, (height, width)), breadth, colour
         )
+    return shown
+
+
+def draw_tiles_alone(pixels: npt.ArrayLike, tiling: Tiling, places: npt.NDArray[np.integer]) -> npt.NDArray[np.float32]:
+    """A picture in which some tiles stand out, and all else is dark.
+
+    Args:
+        pixels: linear light, [row, col] or [row, col, channel] with 1 or 3 channels.
+        tiling: fitted to this picture.
+        places: (course, tile) of the tiles, [tile, 2].
+
+    Returns:
+        float32 [row, col, 3], linear light.
+
+    Examples:
+        >>> from jaxtex.models.tiling import make_tiling
+        >>> floor = make_tiling(tile_width=20, tile_height=10)
+        >>> draw_tiles_alone(np.full((20, 40), 0.5), floor, np.array([[0, 1]]))[5, ::10, 0].round(2)
+        array([0.05, 0.05, 0.5 , 0.5 ], dtype=float32)
+    """
+    picture = check_picture(pixels)
+    shown = np.broadcast_to(picture, (*picture.shape[:2], 3)).copy()
+    place = np.asarray(on_grid(eqx.Partial(_place, tiling), *picture.shape[:2])).astype(np.int64)
+    number = place[..., 0] * 2**32 + place[..., 1]
+    shown[~np.isin(number, places[:, 0].astype(np.int64) * 2**32 + places[:, 1])] *= _DIMMED
     return shown
 
 
@@ -138,3 +164,8 @@ def _distance_to_segment(a: npt.NDArray, b: npt.NDArray, shape: tuple[int, int])
     along = ((x - a[0]) * direction[0] + (y - a[1]) * direction[1]) / max(float(direction @ direction), 1e-9)
     along = np.clip(along, 0, 1)
     return np.hypot(x - a[0] - along * direction[0], y - a[1] - along * direction[1])
+
+
+def _place(tiling: Tiling, point: Array) -> Array:
+    place = tiling.locate(tiling.to_lattice(point))
+    return jnp.stack([place.course, place.tile])

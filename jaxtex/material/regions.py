@@ -73,6 +73,22 @@ def check_rectangles(regions: Regions, shape: tuple[int, int]) -> None:
                 raise InputError(f"{sort} region {_told(rectangle)}: leaves {told}")
 
 
+def find_tiles(tiling: Tiling, cells: Sequence[Cell], rectangles: Sequence[Rectangle]) -> npt.NDArray[np.int_]:
+    """Numbers of the tiles in which rectangles have their middles.
+
+    Raises:
+        InputError: one has it in no tile.
+    """
+    number = {cell.place: n for n, cell in enumerate(cells)}
+    found = []
+    for rectangle in rectangles:
+        place = tiling.locate(jnp.asarray(np.mean(_in_lattice(tiling, rectangle), axis=0), jnp.float32))
+        if (int(place.course), int(place.tile)) not in number:
+            raise InputError(f"tile region {_told(rectangle)}: is in no tile that the photograph shows as a whole")
+        found.append(number[int(place.course), int(place.tile)])
+    return np.array(found)
+
+
 def cut_grain(
     tiling: Tiling, cells: Sequence[Cell], grains: Sequence[npt.NDArray[np.float32]], rectangle: Rectangle
 ) -> npt.NDArray[np.float32]:
@@ -86,10 +102,8 @@ def cut_grain(
         InputError: the rectangle's middle is in no tile, or too little of the rectangle.
     """
     low, high = _in_lattice(tiling, rectangle)
+    (number,) = find_tiles(tiling, cells, [rectangle])
     place = tiling.locate(jnp.asarray(0.5 * (low + high), jnp.float32))
-    number = next((n for n, cell in enumerate(cells) if cell.place == (int(place.course), int(place.tile))), None)
-    if number is None:
-        raise InputError(f"tile region {_told(rectangle)}: is in no tile that the photograph shows as a whole")
     cell, grain = cells[number], grains[number]
     middle = 0.5 * (low + high)
     start = middle - np.array([float(place.left), float(place.top)])  # the tile's corner, joints included

@@ -18,8 +18,9 @@ from jaxtex.material.appearance import Appearance
 from jaxtex.material.cells import tile_bounds
 from jaxtex.material.draw import DrawnTiles, pad_table
 from jaxtex.material.filling import Filling
+from jaxtex.material.finish import BARE_WOOD
 from jaxtex.material.sheet import Sheet, TileTable
-from jaxtex.material.wood import _RELIEF, _ROUGHNESS, _ROUNDING, _ROWS, _SPOT, _in_single, _to_trunk
+from jaxtex.material.wood import _RELIEF, _ROUNDING, _ROWS, _SPOT, _in_single, _to_trunk
 from jaxtex.models.wood import Wood, early_share
 
 ROWS = _ROWS, _ROWS + 1
@@ -79,7 +80,7 @@ class TileWood(eqx.Module):
         trunk = _to_trunk(self.wood, self._place(entry, at))
         early = _early_on_cut(self.wood, trunk, self.blur)
         colour = self.tone[entry] * self.wood.colour_of(early, trunk, blur=self.blur)
-        rough_early, rough_late = _ROUGHNESS
+        rough_early, rough_late = (finish.roughness for finish in BARE_WOOD)
         return jnp.clip(colour, 0.0, 1.0), rough_late + early * (rough_early - rough_late)
 
     def height(self, entry: Array, at: Array) -> Array:

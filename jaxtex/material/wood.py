@@ -18,6 +18,7 @@ from jax import Array
 from jaxtex.core.errors import InputError
 from jaxtex.io.meshes import Mesh
 from jaxtex.material.bands import check_sides, evaluate_points, in_bands, normals_of
+from jaxtex.material.finish import BARE_WOOD, WoodFinish
 from jaxtex.models.wood import Wood
 
 MOST_VOXELS = 1 << 30
@@ -29,7 +30,6 @@ _ROWS = 4  # evaluated at once: each point takes 48 waves
 _SPOT = 0.5  # standard deviation of what a pixel sees, in pixels
 _RELIEF = 0.02  # of the ring spacing: how high late wood stands
 _ROUNDING = 0.06  # likewise: how soft its edges are
-_ROUGHNESS = 0.65, 0.5  # of early and late wood
 
 
 class WoodMaps(NamedTuple):
@@ -40,25 +40,31 @@ class WoodMaps(NamedTuple):
         height: in pixels of the photograph above early wood, [row, col].
         normal: unit vectors, [row, col, 3]: x right, y up, z out of the plank (OpenGL's).
         roughness: 0 to 1, [row, col].
+        specular, metallic: as `jaxtex.material.maps.Maps` has them.
     """
 
     base_colour: npt.NDArray[np.float32]
     height: npt.NDArray[np.float32]
     normal: npt.NDArray[np.float32]
     roughness: npt.NDArray[np.float32]
+    specular: npt.NDArray[np.float32]
+    metallic: npt.NDArray[np.float32]
 
 
-def render_wood(wood: Wood, *, across: float, size: tuple[int, int]) -> Iterator[WoodMaps]:
+def render_wood(
+    wood: Wood, *, across: float, size: tuple[int, int], finish: WoodFinish = BARE_WOOD
+) -> Iterator[WoodMaps]:
     """Render the maps of a plank, some rows at a time from top to bottom.
 
     Pixels are square. The middle of the maps is that of the photograph; maps that are longer than it show more wood.
-    Late wood, the harder, stands higher by 2 % of the ring spacing and shines a little more, as on a brushed plank;
-    neither can be seen on a photograph, so both are chosen. Memory is that of a band of 128 rows, whatever the size.
+    Late wood, the harder, stands higher by 2 % of the ring spacing, which cannot be seen on a photograph and is chosen,
+    as is the finish. Memory is that of a band of 128 rows, whatever the size.
 
     Args:
         wood: the model.
         across: pixels of the photograph that the maps' width covers; the photograph's width as a rule.
         size: (width, height) of the maps in pixels.
+        finish: of early and of late wood.
 
     Raises:
         InputError: a size without pixels, or too large.
@@ -71,7 +77,7 @@ def render_wood(wood: Wood, *, across: float, size: tuple[int, int]) -> Iterator
     """
     check_sides(size)
     scale = across / size[0]
-    plank = _Plank(_in_single(wood), jnp.asarray(_SPOT * scale, jnp.float32))
+    plank = _Plank(_in_single(wood), jnp.asarray(_SPOT * scale, jnp.float32), _finish_table(finish))
     extent = across, size[1] * scale
     corner = -0.5 * extent[0], -0.5 * extent[1]
     return in_bands(lambda x, y: _render_grid(plank, x, y), corner=corner, extent=extent, size=size)
@@ -104,18 +110,21 @@ def render_points(wood: Wood, points: npt.NDArray[np.floating], *, spot: float =
     return colours
 
 
-def look_at_plank(wood: Wood, points: npt.NDArray[np.floating], *, spot: float) -> WoodMaps:
+def look_at_plank(
+    wood: Wood, points: npt.NDArray[np.floating], *, spot: float, finish: WoodFinish = BARE_WOOD
+) -> WoodMaps:
     """The maps at points of a plank's face.
 
     Args:
         wood: the model.
         points: [point, 2], (u, v) from the plank's middle.
         spot: as `render_points` has it.
+        finish: of early and of late wood.
 
     Returns:
         Maps whose one axis, before that of channels, is [point].
     """
-    plank = _Plank(_in_single(wood), jnp.asarray(spot, jnp.float32))
+    plank = _Plank(_in_single(wood), jnp.asarray(spot, jnp.float32), _finish_table(finish))
     parts = []
     for first in range(0, max(len(points), 1), _CHUNK):
         chunk = np.zeros((_CHUNK, 2), np.float32)
@@ -211,28 +220,32 @@ def carve_mesh(wood: Wood, mesh: Mesh, *, image: tuple[int, int]) -> npt.NDArray
 class _Plank(eqx.Module):
     wood: Wood
     blur: Array  # of a map's pixel, in pixels of the photograph
+    finish: Array  # [roughness, specular, metallic; early, late]
 
 
 def _render_grid(plank: _Plank, x: Array, y: Array) -> WoodMaps:
-    colour, roughness = evaluate_points(_surface, plank, x, y, rows=_ROWS)
+    colour, finish = evaluate_points(_surface, plank, x, y, rows=_ROWS)
     height, slope = evaluate_points(_height_and_slope, plank, x, y, rows=_ROWS)
-    maps = colour, height, normals_of(slope[..., 0], slope[..., 1]), roughness
+    maps = colour, height, normals_of(slope[..., 0], slope[..., 1]), *jnp.moveaxis(finish, -1, 0)
     return WoodMaps(*map(np.asarray, maps))
 
 
 @eqx.filter_jit
 def _look(plank: _Plank, points: Array) -> tuple[Array, ...]:
-    colour, roughness = jax.vmap(lambda point: _surface(plank, point))(points)
+    colour, finish = jax.vmap(lambda point: _surface(plank, point))(points)
     height, slope = jax.vmap(lambda point: _height_and_slope(plank, point))(points)
-    return colour, height, normals_of(slope[:, 0], slope[:, 1]), roughness
+    return colour, height, normals_of(slope[:, 0], slope[:, 1]), *finish.T
 
 
 def _surface(plank: _Plank, point: Array) -> tuple[Array, Array]:
-    """Colour (3,) and roughness of a plank's point."""
+    """Colour (3,) and finish (3,) of a plank's point."""
     early = plank.wood.early_on_plank(point, blur=plank.blur)
-    rough_early, rough_late = _ROUGHNESS
     colour = plank.wood.colour_of(early, plank.wood.to_trunk(point), blur=plank.blur)
-    return colour, rough_late + early * (rough_early - rough_late)
+    return colour, plank.finish[:, 1] + early * (plank.finish[:, 0] - plank.finish[:, 1])
+
+
+def _finish_table(finish: WoodFinish) -> Array:
+    return jnp.asarray(finish, jnp.float32).T
 
 
 def _height_and_slope(plank: _Plank, point: Array) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from jaxtex.io.masks import read_mask, write_mask
 from jaxtex.material.export import MAP_NAMES
 from jaxtex.models.files import load_model, tiling_schema
 
-FILES = {"model.json", "interiors.npz", "mask.png", "overlay.png", "report.html", *MAP_NAMES}
+FILES = {"model.json", "interiors.npz", "regions.png", "mask.png", "overlay.png", "report.html", *MAP_NAMES}
 
 
 def fit(photo: Path, folder: Path, *options: str) -> int:

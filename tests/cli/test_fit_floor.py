@@ -10,7 +10,7 @@ from jaxtex.io.images import write_image
 from jaxtex.models.files import load_model
 from jaxtex.models.floor_files import FloorFile
 
-MAPS = {"basecolor.png", "height.exr", "normal.png", "roughness.png", "tile_id.exr"}
+MAPS = {"basecolor.png", "height.exr", "normal.png", "roughness.png", "specular.png", "metallic.png", "tile_id.exr"}
 FILES = {"model.json", "interiors.npz", "overlay.png", *MAPS}
 
 

@@ -15,7 +15,7 @@ from jaxtex.io.masks import read_mask, write_mask
 from jaxtex.models.files import load_model
 from jaxtex.models.wood_files import wood_schema
 
-MAPS = {"basecolor.png", "height.exr", "normal.png", "roughness.png"}
+MAPS = {"basecolor.png", "height.exr", "normal.png", "roughness.png", "specular.png", "metallic.png"}
 FILES = {"model.json", "mask.png", "overlay.png", "rings.png", "report.html", *MAPS}
 TRUTH = {"center": (30.0, -20.0), "tilt": 10.0, "rotation": 35.0, "spacing": 14.0, "fraction": 0.6}
 

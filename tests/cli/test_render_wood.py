@@ -34,7 +34,7 @@ def render(model: Path, *options: str) -> Path:
 def test_maps_are_as_large_as_the_photograph_unless_told(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = render(model)
     assert capsys.readouterr().out == f"{folder}: maps of 60 x 40 pixels, 1 to one of the photograph\n"
-    names = {"basecolor.png", "height.exr", "normal.png", "roughness.png"}
+    names = {"basecolor.png", "height.exr", "normal.png", "roughness.png", "specular.png", "metallic.png"}
     assert {path.name for path in folder.iterdir()} == names
     assert {read_image(folder / name).pixels.shape[:2] for name in names} == {(40, 60)}
     # The file's turbulence is that of its seed.

@@ -1,7 +1,5 @@
 """Interiors of tiles whose every part is known, and a wall of which they are."""
 
-import dataclasses
-
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
@@ -26,7 +24,9 @@ def make_interiors(**changes) -> Interiors:
     plain = {
         "places": places,
         "kind": np.zeros(count, np.int32),
+        "learnt": np.ones(count, bool),
         "contrast": np.ones(count, np.float32),
+        "offset": np.zeros((count, 3), np.float32),
         "shift": np.zeros((count, 4), np.float32),
         "wobble": 0.0,
         "wobble_length": 4.0,
@@ -35,8 +35,6 @@ def make_interiors(**changes) -> Interiors:
         "tile_profile": np.zeros((4, 6, 3), np.float32),
         "joint_profile": np.zeros((4, 2, 3), np.float32),
     }
-    if "offset" in {field.name for field in dataclasses.fields(Interiors)}:
-        plain["offset"] = np.zeros((count, 3), np.float32)
     return Interiors(**{**plain, **changes})
 
 
