@@ -38,7 +38,7 @@ def read_arrays(path: Path | str) -> dict[str, npt.NDArray]:
     """
     path = existing_file(path)
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             return dict(archive)
     except Exception as error:  # a damaged archive raises whatever comes to it
         raise InputError(f"{path}: is no archive of arrays, or damaged ({type(error).__name__})") from None

@@ -20,10 +20,10 @@ from jaxtex.material.draw import DrawnTiles, pad_table
 from jaxtex.material.filling import Filling
 from jaxtex.material.finish import BARE_WOOD
 from jaxtex.material.sheet import Sheet, TileTable
-from jaxtex.material.wood import _RELIEF, _ROUNDING, _ROWS, _SPOT, _in_single, _to_trunk
+from jaxtex.material.wood import RELIEF, ROUNDING, ROWS_AT_ONCE, SPOT, in_single, solid_to_trunk
 from jaxtex.models.wood import Wood, early_share
 
-ROWS = _ROWS, _ROWS + 1
+ROWS = ROWS_AT_ONCE, ROWS_AT_ONCE + 1
 """Rows to evaluate at once of a band of maps, and of a band with one more on either side: both go into it evenly."""
 
 _DEEP = 0.05  # of the photograph's longer side: how deep below the photographed face tiles are cut, either way
@@ -77,7 +77,7 @@ class TileWood(eqx.Module):
 
     def surface(self, entry: Array, at: Array) -> tuple[Array, Array]:
         """Colour (3,), linear light, and roughness that a map's pixel (x, y) shows of a tile."""
-        trunk = _to_trunk(self.wood, self._place(entry, at))
+        trunk = solid_to_trunk(self.wood, self._place(entry, at))
         early = _early_on_cut(self.wood, trunk, self.blur)
         colour = self.tone[entry] * self.wood.colour_of(early, trunk, blur=self.blur)
         rough_early, rough_late = (finish.roughness for finish in BARE_WOOD)
@@ -86,9 +86,9 @@ class TileWood(eqx.Module):
     def height(self, entry: Array, at: Array) -> Array:
         """Of late wood above early wood that a map's pixel (x, y) shows of a tile, in plane pixels of the tiling."""
         spacing = self.wood.ring_spacing
-        blur = jnp.sqrt(self.blur**2 + (_ROUNDING * spacing) ** 2)
-        early = _early_on_cut(self.wood, _to_trunk(self.wood, self._place(entry, at)), blur)
-        return self.scale * _RELIEF * spacing * (1.0 - early)
+        blur = jnp.sqrt(self.blur**2 + (ROUNDING * spacing) ** 2)
+        early = _early_on_cut(self.wood, solid_to_trunk(self.wood, self._place(entry, at)), blur)
+        return self.scale * RELIEF * spacing * (1.0 - early)
 
     def _place(self, entry: Array, at: Array) -> Array:
         """The solid's point (3,) that a map's pixel (x, y) shows, counted in whole pixels from the tile's beginning, so
@@ -125,8 +125,8 @@ def cut_tiles(sheet: Sheet, table: TileTable, timber: Timber, *, pixel: tuple[fl
     chance, tone = (np.asarray(each)[: len(left)] for each in _draw_cuts(key, *tiles))
     corner, turn = _lay_boards(timber, size, _grain_along_x(faces, table), chance)
     return TileWood(
-        wood=_in_single(timber.wood),
-        blur=jnp.asarray(_SPOT * max(pixel) / timber.scale, jnp.float32),
+        wood=in_single(timber.wood),
+        blur=jnp.asarray(SPOT * max(pixel) / timber.scale, jnp.float32),
         scale=jnp.asarray(timber.scale, jnp.float32),
         start=jnp.asarray(pad_table(start.astype(np.int32))),
         corner=jnp.asarray(pad_table(corner.astype(np.float32))),

@@ -26,10 +26,10 @@ MOST_VOXELS = 1 << 30
 
 _CHUNK = 1 << 14  # points evaluated at a time, as many as caches hold: one shape for all blocks and meshes
 _COSINES = 32  # in a row or column, or a multiple of it
-_ROWS = 4  # evaluated at once: each point takes 48 waves
-_SPOT = 0.5  # standard deviation of what a pixel sees, in pixels
-_RELIEF = 0.02  # of the ring spacing: how high late wood stands
-_ROUNDING = 0.06  # likewise: how soft its edges are
+ROWS_AT_ONCE = 4  # evaluated at once: each point takes 48 waves
+SPOT = 0.5  # standard deviation of what a pixel sees, in pixels
+RELIEF = 0.02  # of the ring spacing: how high late wood stands
+ROUNDING = 0.06  # likewise: how soft its edges are
 
 
 class WoodMaps(NamedTuple):
@@ -77,13 +77,13 @@ def render_wood(
     """
     check_sides(size)
     scale = across / size[0]
-    plank = _Plank(_in_single(wood), jnp.asarray(_SPOT * scale, jnp.float32), _finish_table(finish))
+    plank = _Plank(in_single(wood), jnp.asarray(SPOT * scale, jnp.float32), _finish_table(finish))
     extent = across, size[1] * scale
     corner = -0.5 * extent[0], -0.5 * extent[1]
     return in_bands(lambda x, y: _render_grid(plank, x, y), corner=corner, extent=extent, size=size)
 
 
-def render_points(wood: Wood, points: npt.NDArray[np.floating], *, spot: float = _SPOT) -> npt.NDArray[np.float32]:
+def render_points(wood: Wood, points: npt.NDArray[np.floating], *, spot: float = SPOT) -> npt.NDArray[np.float32]:
     """Colours of points of the solid.
 
     Args:
@@ -100,7 +100,7 @@ def render_points(wood: Wood, points: npt.NDArray[np.floating], *, spot: float =
         >>> render_points(pale, np.array([[45.0, 0.0, 0.0]])).round(2).tolist()[0][0]
         0.6000000238418579
     """
-    single, blur = _in_single(wood), jnp.asarray(spot, jnp.float32)
+    single, blur = in_single(wood), jnp.asarray(spot, jnp.float32)
     colours = np.empty((len(points), 3), np.float32)
     for first in range(0, len(points), _CHUNK):
         chunk = np.zeros((_CHUNK, 3), np.float32)
@@ -124,7 +124,7 @@ def look_at_plank(
     Returns:
         Maps whose one axis, before that of channels, is [point].
     """
-    plank = _Plank(_in_single(wood), jnp.asarray(spot, jnp.float32), _finish_table(finish))
+    plank = _Plank(in_single(wood), jnp.asarray(spot, jnp.float32), _finish_table(finish))
     parts = []
     for first in range(0, max(len(points), 1), _CHUNK):
         chunk = np.zeros((_CHUNK, 2), np.float32)
@@ -162,7 +162,7 @@ def render_block(wood: Wood, *, shape: tuple[int, int, int]) -> Iterator[npt.NDA
         raise InputError(f"{told}: holds no voxels; give at least 1 x 1 x 1")
     if depth * height * width > MOST_VOXELS:
         raise InputError(f"{told}: is too large; at most {MOST_VOXELS:,} voxels can be made")
-    single, count = _in_single(wood), depth * height * width
+    single, count = in_single(wood), depth * height * width
     firsts = range(0, count, _CHUNK)
     return (render_points(single, _voxel_centres(shape, first, min(first + _CHUNK, count))) for first in firsts)
 
@@ -214,7 +214,7 @@ def carve_mesh(wood: Wood, mesh: Mesh, *, image: tuple[int, int]) -> npt.NDArray
     points = place_mesh(mesh, image=image)
     corners = points[mesh.faces]
     edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).mean()
-    return render_points(wood, points, spot=max(_SPOT, 0.5 * float(edge)))
+    return render_points(wood, points, spot=max(SPOT, 0.5 * float(edge)))
 
 
 class _Plank(eqx.Module):
@@ -224,8 +224,8 @@ class _Plank(eqx.Module):
 
 
 def _render_grid(plank: _Plank, x: Array, y: Array) -> WoodMaps:
-    colour, finish = evaluate_points(_surface, plank, x, y, rows=_ROWS)
-    height, slope = evaluate_points(_height_and_slope, plank, x, y, rows=_ROWS)
+    colour, finish = evaluate_points(_surface, plank, x, y, rows=ROWS_AT_ONCE)
+    height, slope = evaluate_points(_height_and_slope, plank, x, y, rows=ROWS_AT_ONCE)
     maps = colour, height, normals_of(slope[..., 0], slope[..., 1]), *jnp.moveaxis(finish, -1, 0)
     return WoodMaps(*map(np.asarray, maps))
 
@@ -251,8 +251,8 @@ def _finish_table(finish: WoodFinish) -> Array:
 def _height_and_slope(plank: _Plank, point: Array) -> tuple[Array, Array]:
     """Of the relief, at a point of the plank: late wood is raised, and its edges are round."""
     spacing = plank.wood.ring_spacing
-    blur = jnp.sqrt(plank.blur**2 + (_ROUNDING * spacing) ** 2)
-    return jax.value_and_grad(lambda at: _RELIEF * spacing * (1.0 - plank.wood.early_on_plank(at, blur=blur)))(point)
+    blur = jnp.sqrt(plank.blur**2 + (ROUNDING * spacing) ** 2)
+    return jax.value_and_grad(lambda at: RELIEF * spacing * (1.0 - plank.wood.early_on_plank(at, blur=blur)))(point)
 
 
 def _voxel_centres(shape: tuple[int, int, int], first: int, end: int) -> npt.NDArray[np.float32]:
@@ -263,16 +263,16 @@ def _voxel_centres(shape: tuple[int, int, int], first: int, end: int) -> npt.NDA
 
 @eqx.filter_jit
 def _colours(wood: Wood, points: Array, blur: Array) -> Array:
-    return jax.vmap(lambda point: wood.colour(_to_trunk(wood, point), blur=blur))(points)
+    return jax.vmap(lambda point: wood.colour(solid_to_trunk(wood, point), blur=blur))(points)
 
 
-def _to_trunk(wood: Wood, point: Array) -> Array:
+def solid_to_trunk(wood: Wood, point: Array) -> Array:
     """A point of the solid (3,) in the trunk: below the plank's face, at right angles to it."""
     inwards = jnp.stack([jnp.zeros_like(wood.tilt), jnp.cos(wood.tilt), -jnp.sin(wood.tilt)])
     return wood.to_trunk(point[:2]) + point[2] * inwards
 
 
-def _in_single(wood: Wood) -> Wood:
+def in_single(wood: Wood) -> Wood:
     """In single precision. A displacement's cosines get zeros for company: few numbers of them share few compilations,
     and a floor has a plank of every size."""
     field = wood.displacement
