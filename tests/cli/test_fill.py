@@ -81,6 +81,13 @@ def test_fitting_without_filling_names_no_interiors(wall_photo: Path, tmp_path: 
     assert "--no-fill" in (tmp_path / "wall" / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.fixture
+def no_maps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Maps are not what is looked at."""
+    monkeypatch.setattr("jaxtex.cli.results.write_sheet", lambda *_, **__: None)
+
+
+@pytest.mark.usefixtures("no_maps")
 def test_interiors_are_learnt_from_where_they_are_told(wall_photo: Path, tmp_path: Path) -> None:
     options = ["--tile-region", BRICK, "--joint-region", JOINT]
     assert main(["fit", "tiling", str(wall_photo), "-o", str(tmp_path / "wall"), *options]) == 0
@@ -94,6 +101,7 @@ def test_interiors_are_learnt_from_where_they_are_told(wall_photo: Path, tmp_pat
     assert " ".join(options) in (tmp_path / "wall" / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.usefixtures("no_maps")
 def test_painted_tiles_are_learnt_from(wall_photo: Path, tmp_path: Path) -> None:
     painted = np.zeros((200, 200), np.float32)
     painted[25:43, 35:83] = 0.5

@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
+from jaxtex.core.pyramids import most_scales
+from jaxtex.material import stocks as module
 from jaxtex.material.stocks import (
     SIDES_OF_STOCKS,
     choose_side,
@@ -148,6 +150,17 @@ def test_slopes_follow_the_contrast_up_to_a_limit():
     assert slope == round(slope, 3)
 
 
-def test_a_tile_may_be_seen_at_any_size():
-    stock = make_grain(draw_examples(1, 16, 16), (2.0**-9, 2.0**-9), 256, key=KEY)
-    assert np.isfinite(stock).all()
+@pytest.mark.parametrize("octaves", [1, 5, 6, 9, 12])
+def test_a_tile_may_be_seen_at_any_size(octaves, monkeypatch):
+    asked = []
+
+    def synthesise(statistics, shape, *, key, finer):
+        asked.append((statistics.scales, finer))
+        return np.zeros((*shape, 3), np.float32)
+
+    monkeypatch.setattr(module, "synthesise_texture", synthesise)
+    make_grain(draw_examples(1, 16, 16), (2.0**-octaves, 2.0**-octaves), 256, key=KEY)
+    ((scales, finer),) = asked
+    assert scales >= 0
+    assert scales + finer <= most_scales((256, 256))
+    assert finer == min(octaves, most_scales((256, 256)))
