@@ -120,13 +120,17 @@ def _plank_arrays(interiors: PlankInteriors) -> dict[str, npt.ArrayLike]:
     arrays = {name: getattr(interiors, name) for name in ("tone", "own", "turned", "contrast", "profile", "joint")}
     for number, grain in enumerate(interiors.grain):
         arrays |= {f"grain_{number}": _to_steps(grain.examples), f"squeezed_{number}": grain.squeezed}
+        arrays[f"fine_{number}"] = _to_steps(grain.fine)
     return arrays
 
 
 def _planks_from_arrays(arrays: Mapping[str, npt.NDArray]) -> PlankInteriors:
     planks = len(arrays["tone"])
     plain, ringed = (
-        PlankGrain(_grain(arrays, f"grain_{number}"), int(arrays[f"squeezed_{number}"])) for number in range(2)
+        PlankGrain(
+            _grain(arrays, f"grain_{number}"), int(arrays[f"squeezed_{number}"]), _grain(arrays, f"fine_{number}")
+        )
+        for number in range(2)
     )
     return PlankInteriors(
         tone=_shaped(arrays, "tone", (planks, 3)),

@@ -23,7 +23,8 @@ class PlankFilling:
     Attributes:
         interiors: of the planks.
         stocks: [row along, col across, 4] for planks without rings of their own, and with: changes of sRGB-encoded
-            colour, and relief in pixels of the photograph.
+            colour, and relief in pixels of the photograph. Rows are as long as those of the examples.
+        fine: likewise, of the grain that such rows leave out, [row, col, 3]: they are as long as columns are broad.
         frames: of the planks.
         first: the stock's (row, col) at each plank's middle, [plank, 2].
         pixel: breadth of a map's pixel in pixels of the photograph.
@@ -31,6 +32,7 @@ class PlankFilling:
 
     interiors: PlankInteriors
     stocks: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
+    fine: tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]
     frames: tuple[PlankFrame, ...]
     first: npt.NDArray[np.float64]
     pixel: float
@@ -68,7 +70,11 @@ class PlankFilling:
         column = np.floor(u / self.pixel + self.first[number, 1]).astype(int) % columns
         low = np.floor(along).astype(int)
         share = (along - low)[:, None].astype(np.float32)
-        return stock[low % rows, column] * (1 - share) + stock[(low + 1) % rows, column] * share
+        grain = stock[low % rows, column] * (1 - share) + stock[(low + 1) % rows, column] * share
+        fine = self.fine[own]
+        row = np.floor(v / self.pixel + self.first[number, 0]).astype(int)
+        grain[:, :3] += fine[row % len(fine), column % fine.shape[1]]
+        return grain
 
 
 def fill_planks(
@@ -85,7 +91,7 @@ def fill_planks(
     step = math.sqrt(pixel[0] * pixel[1])
     frames = tuple(frame_of(plank, turned=bool(turn)) for plank, turn in zip(planks, interiors.turned, strict=True))
     breadth = 2 * max(frame.half[0] for frame in frames) / step
-    stocks = []
+    stocks, fine = [], []
     for sort, grain in enumerate(interiors.grain):
         length = 2 * max(frame.half[1] for frame in frames) / (step * grain.squeezed)
         colour = make_grain(
@@ -93,6 +99,10 @@ def fill_planks(
         )
         relief = relief_of(colour, grain.examples, choose_slope(grain.examples))
         stocks.append(np.concatenate([colour, relief[..., None]], axis=-1).astype(np.float32))
+        own_key = jax.random.fold_in(key, len(interiors.grain) + 1 + sort)
+        fine.append(make_grain(grain.fine, (step, step), choose_side(breadth, breadth), key=own_key))
     side = np.array([stock.shape[0] for stock in stocks])[interiors.own.astype(int)]
     chance = np.asarray(jax.random.uniform(jax.random.fold_in(key, len(stocks)), (len(planks), 2)))
-    return PlankFilling(interiors, (stocks[0], stocks[1]), frames, np.floor(chance * side[:, None]), step)
+    return PlankFilling(
+        interiors, (stocks[0], stocks[1]), (fine[0], fine[1]), frames, np.floor(chance * side[:, None]), step
+    )

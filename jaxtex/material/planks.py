@@ -26,7 +26,7 @@ _REACH = 0.12, 4, 24  # of a plank's breadth, and in pixels: how far its sides s
 
 _SQUEEZED = 16  # times that grain may be longer than broad
 _SPOT = 0.5  # standard deviation of what a pixel sees, in pixels
-_FLAW = 4.0  # times the median distance of colours from the plank's: farther ones are no wood
+_FLAW = 8.0  # times the median distance of colours from the plank's: farther ones are no wood
 _CLEARLY = 1.5  # times as much change of light one way as the other
 _FEWEST = 16  # pixels to a side of an example
 
@@ -37,11 +37,13 @@ class PlankGrain:
 
     Attributes:
         examples: [region, row along, col across, 3], around 0.
-        squeezed: how many pixels along the plank a row stands for.
+        squeezed: how many pixels along the plank a row of them stands for.
+        fine: examples of what that leaves out, [region, row along, col across, 3], around 0.
     """
 
     examples: npt.NDArray[np.float32]
     squeezed: int
+    fine: npt.NDArray[np.float32]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -196,14 +198,16 @@ def _profile(pieces: Sequence[Piece], rest: Sequence[npt.NDArray[np.float32]]) -
 def _grain(pieces: Sequence[npt.NDArray[np.float32]]) -> PlankGrain:
     """Examples of grain, shortened along the fibres until it is about as long as broad, as sub-bands see it best."""
     if not pieces:
-        return PlankGrain(np.zeros((0, 1, 1, 3), np.float32), 1)
+        none = np.zeros((0, 1, 1, 3), np.float32)
+        return PlankGrain(none, 1, none)
     pieces = [_without_flaws(piece) for piece in pieces]
     light = [piece.mean(axis=2) for piece in pieces]
     along = math.sqrt(np.mean([np.mean(np.square(np.diff(each, axis=0))) for each in light]))
     across = math.sqrt(np.mean([np.mean(np.square(np.diff(each, axis=1))) for each in light]))
     squeezed = int(2 ** np.clip(round(math.log2(max(across / max(along, 1e-6), 1.0)) * 2.0), 0, math.log2(_SQUEEZED)))
     short = [_shorten(piece, squeezed) for piece in pieces]
-    return PlankGrain(stack_regions([piece for piece in short if min(piece.shape[:2]) >= 2] or short), squeezed)
+    fine = [piece - lengthen(each, squeezed, len(piece)) for piece, each in zip(pieces, short, strict=True)]
+    return PlankGrain(stack_regions(short), squeezed, stack_regions(fine))
 
 
 def _fibres_across(piece: Piece | None) -> bool:
@@ -216,8 +220,16 @@ def _fibres_across(piece: Piece | None) -> bool:
 
 
 def _shorten(piece: npt.NDArray[np.float32], times: int) -> npt.NDArray[np.float32]:
-    rows = len(piece) // times
-    return piece[: rows * times].reshape(rows, times, *piece.shape[1:]).mean(axis=1) if rows else piece
+    rows = max(len(piece) // times, 1)
+    return piece[: rows * times].reshape(rows, -1, *piece.shape[1:]).mean(axis=1)
+
+
+def lengthen(piece: npt.NDArray[np.float32], times: int, rows: int) -> npt.NDArray[np.float32]:
+    """A piece [row, col, channel] that was shortened along its rows at its full length again, linear between them."""
+    along = np.clip((np.arange(rows) + 0.5) / times - 0.5, 0, len(piece) - 1)
+    low = along.astype(int)
+    share = (along - low)[:, None, None].astype(np.float32)
+    return piece[low] * (1 - share) + piece[np.minimum(low + 1, len(piece) - 1)] * share
 
 
 def _without_flaws(piece: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:

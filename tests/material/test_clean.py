@@ -52,6 +52,18 @@ def test_a_tile_with_an_artefact_is_left_out(spoil):
     assert chosen.tolist() == [n for n in range(COUNT) if n != ODD]
 
 
+@pytest.mark.parametrize("axis", [0, 1])
+def test_it_is_the_change_from_side_to_side_that_counts(axis):
+    # The same pixels as they were, in order of their lightness: neither lights nor darks are others.
+    cells, masks = draw_wall()
+    for n, cell in enumerate(cells):
+        cell.values[4:-4, 4:-4] += 0.1 * np.random.default_rng(n).normal(size=(24, 48, 1))
+    face = cells[ODD].values[4:-4, 4:-4]
+    ordered = np.sort(face.swapaxes(0, axis).reshape(-1, 3), axis=0)
+    face[:] = ordered.reshape(face.swapaxes(0, axis).shape).swapaxes(0, axis)
+    assert choose_clean(cells, masks).tolist() == [n for n in range(COUNT) if n != ODD]
+
+
 def test_dark_and_light_tiles_stay():
     def darken(values, mask):
         values *= 0.4

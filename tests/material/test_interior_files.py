@@ -24,12 +24,13 @@ TILES = make_interiors(
     wobble_length=3.0,
     tile_grain=(draw_grain(), draw_grain(height=20, seed=1)),
 )
+NONE = np.zeros((0, 1, 1, 3), np.float32)
 PLANKS = PlankInteriors(
     tone=np.random.default_rng(0).random((3, 3)).astype(np.float32),
     own=np.array([True, False, False]),
     turned=np.array([False, False, True]),
     contrast=np.array([1, 0.5, 2], np.float32),
-    grain=(PlankGrain(draw_grain(), 8), PlankGrain(np.zeros((0, 1, 1, 3), np.float32), 1)),
+    grain=(PlankGrain(draw_grain(), 8, draw_grain()), PlankGrain(NONE, 1, NONE)),
     profile=np.linspace(-0.2, 0, 15, dtype=np.float32).reshape(5, 3),
     joint=np.array([0.1, 0.1, 0.05], np.float32),
 )

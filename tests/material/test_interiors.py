@@ -67,6 +67,15 @@ def test_edges_are_found_where_they_were_drawn():
     np.testing.assert_allclose(found.shift, limited - np.median(own), atol=0.8)
 
 
+def test_tiles_are_on_the_average_as_large_as_the_tiling_has_them():
+    shift = np.ones((5, 5, 4))
+    shift[2, 2] = -1.0
+    found = measure(*draw_wall(shift=shift))
+    odd = np.all(found.places == 2, axis=1)
+    np.testing.assert_allclose(found.shift[~odd], 0, atol=0.3)
+    np.testing.assert_allclose(found.shift[odd], -2, atol=0.3)
+
+
 def test_joints_are_never_closed():
     found = measure(*draw_wall(shift=np.tile([3.0, 3.0, 0.0, 0.0], (5, 5, 1))))
     number = {place: n for n, place in enumerate(map(tuple, found.places.tolist()))}
