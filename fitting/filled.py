@@ -223,7 +223,7 @@ def figures(trial: Trial) -> list[list[str]]:
     rows = []
     for name, mine, one, other in zip(Distances._fields, ours, flat, paste, strict=True):
         closer = "yes" if mine < min(one, other) else "no"
-        rows.append([trial.name, name, *(f"{each:.4f}" for each in (mine, one, other)), closer])
+        rows.append([trial.name, name, *(f"{each:.5f}" for each in (mine, one, other)), closer])
     return rows
 
 

@@ -54,7 +54,7 @@ class Export:
     """Tilings on a mesh: lay one tiling over all its faces, so many tiles along the first of them, instead of using its
     texture coordinates. Courses are level, joints meet at shared edges, and bricks turn the corners."""
     up: Literal["x", "y", "z"] = "y"
-    """Which way is up in the mesh, with --tiles-in-row."""
+    """Which axis points up in the mesh, with --tiles-in-row; in the GLB file it is y."""
     no_fill: Switch = False
     """Leave tiles and joints flat, each of one colour."""
     finish: Annotated[tuple[str, ...], tyro.conf.arg(metavar="PART=FINISH [...]", help_behavior_hint="")] = ()
@@ -159,11 +159,11 @@ class Export:
         self, file: "ModelFile", maps: "ModelMaps", layout: "Layout | None", repeat: tuple[int, int]
     ) -> "tuple[TexturedMesh, str]":
         """What the material is put on, and what that is in words."""
-        from jaxtex.io.meshes import floor_mesh, read_textured_mesh, wall_mesh
+        from jaxtex.io.meshes import floor_mesh, read_textured_mesh, turn_mesh, wall_mesh
         from jaxtex.material.adjacent import polygon_mesh
 
         if layout is not None:
-            return polygon_mesh(layout), f"{len(layout.polygons)} faces of {self.on}"
+            return turn_mesh(polygon_mesh(layout), up=self.up), f"{len(layout.polygons)} faces of {self.on}"
         if self._is_mesh:
             mesh = read_textured_mesh(self.on)
             return mesh, f"{len(mesh.faces)} triangles of {self.on}"

@@ -23,8 +23,8 @@ class Tiling:
 
     Writes model.json, mask.png, overlay.png (look at this one first), the maps basecolor.png, height.exr, normal.png,
     roughness.png, specular.png, metallic.png, occlusion.png and tile_id.exr, what tiles and joints are filled with,
-    interiors.npz, and report.html. The exit status is 1 where the picture shows no rectangular tiling;
-    the best guess is written all the same.
+    interiors.npz, where that was learnt, regions.png, and report.html. The exit status is 1 where the picture shows no
+    rectangular tiling; the best guess is written all the same.
 
     Example: jaxtex fit tiling wall.jpg -o wall
     """
@@ -53,8 +53,8 @@ class Tiling:
     joint_region: Rectangles = ()
     """Likewise for joints, each inside of one joint."""
     regions: Annotated[Path | None, tyro.conf.arg(metavar="PATH", help_behavior_hint="")] = None
-    """Or a picture as large as the photograph, painted where tiles may be learnt from: black nowhere, and each grey for
-    a kind of its own, which the tiles painted so, and others like them, are filled with."""
+    """Or a picture as large as the photograph, painted over whole tiles that may be learnt from: black where not, and
+    each grey a kind of its own, which the tiles painted so, and others like them, are filled with."""
     seed: int = 0
     """Of the colours of tiles that the photograph does not show."""
 

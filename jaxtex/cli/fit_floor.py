@@ -74,6 +74,8 @@ class Floor:
 def _origin(own: int, count: int, other: Path | None) -> str:
     if other is not None:
         return f"that of {other}, cut elsewhere for each"
+    if not own:
+        return "could not be read off any of them; grain is the photograph's"
     rest = "" if own == count else "; the others share what these have in common"
     return f"read off {own} of {count}{rest}"
 

@@ -185,7 +185,7 @@ def measure_look(
     interiors = measure_interiors(even, fit.tiling, appearance, mask=fit.mask, regions=regions)
     if interiors is None:
         return Look(appearance, None)
-    tile, joint = choose_slope(interiors.tile_grain[0]), choose_slope(interiors.joint_grain)
+    tile, joint = choose_slope(interiors.tile_grain), choose_slope([interiors.joint_grain])
     return Look(dataclasses.replace(appearance, tile_bump=tile, joint_bump=joint), interiors)
 
 

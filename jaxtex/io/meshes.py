@@ -214,3 +214,21 @@ def _check_triangles(path: Path, vertices: npt.NDArray[np.floating], faces: npt.
         raise InputError(f"{path}: has vertices that are not finite")
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise InputError(f"{path}: is damaged, as its faces name vertices that are not there")
+
+
+def turn_mesh(mesh: TexturedMesh, *, up: str) -> TexturedMesh:
+    """A mesh whose axis `up` points up turned so that y does, as glTF has it.
+
+    Args:
+        up: x, y or z.
+
+    Examples:
+        >>> turned = turn_mesh(floor_mesh(1.0, 1.0), up="z")  # what lay on the ground stands
+        >>> turned.normals[0].round(3).tolist()
+        [0.0, 0.0, -1.0]
+    """
+    if up == "y":
+        return mesh
+    turn = {"z": [[1, 0, 0], [0, 0, 1], [0, -1, 0]], "x": [[0, -1, 0], [1, 0, 0], [0, 0, 1]]}[up]
+    matrix = np.array(turn, float).T
+    return mesh._replace(vertices=mesh.vertices @ matrix + 0.0, normals=mesh.normals @ matrix + 0.0)

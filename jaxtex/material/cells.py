@@ -4,11 +4,8 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
-from jax import Array
 from scipy.ndimage import map_coordinates
 
 from jaxtex.material.appearance import Place
@@ -75,7 +72,7 @@ def cut_cells(picture: npt.NDArray[np.float32], tiling: Tiling, places: Sequence
         x = _pixels(start, end, joint[0], origin[0])
         y = _pixels(top, top + height, joint[1], origin[1])
         grid = np.stack(np.broadcast_arrays(x[None, :], y[:, None]), axis=-1)
-        at = np.asarray(_to_image(tiling, jnp.asarray(grid.reshape(-1, 2), jnp.float32)))
+        at = _to_image(tiling, grid.reshape(-1, 2))
         if (at >= 0).all() and (at <= limits).all():
             sides = [x - start, end - x, y - top, top + height - y]
             kept.append((place, [side - 0.5 * joint[n // 2] for n, side in enumerate(sides)]))
@@ -102,7 +99,7 @@ def cut_box(
     """
     x, y = (np.arange(start + 0.5, end, 1.0) for start, end in zip(low, high, strict=True))
     grid = np.stack(np.meshgrid(x, y), axis=-1)
-    at = np.asarray(_to_image(tiling, jnp.asarray(grid.reshape(-1, 2), jnp.float32)))
+    at = _to_image(tiling, grid.reshape(-1, 2))
     return _sample(picture, at).reshape(len(y), len(x), picture.shape[2])
 
 
@@ -121,6 +118,12 @@ def _sample(picture: npt.NDArray[np.float32], points: npt.NDArray[np.floating]) 
     return np.stack(channels, axis=-1).astype(np.float32)
 
 
-@jax.jit
-def _to_image(tiling: Tiling, points: Array) -> Array:
-    return jax.vmap(tiling.from_lattice)(points)
+def _to_image(tiling: Tiling, points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """`Tiling.from_lattice` of many points [n, 2], without compiling for each number of them."""
+    cosine, sine = math.cos(float(tiling.angle)), math.sin(float(tiling.angle))
+    plane = points @ np.array([[cosine, sine], [-sine, cosine]]) + np.asarray(tiling.origin, np.float64)
+    image = (
+        np.concatenate([plane, np.ones((len(plane), 1))], axis=1)
+        @ np.linalg.inv(np.asarray(tiling.homography, np.float64)).T
+    )
+    return np.asarray(image[:, :2] / image[:, 2:])

@@ -142,16 +142,32 @@ def _tile_grain(material: Material, filling: Filling, entry: Array, q: Array) ->
 
 
 def _joint_grain(material: Material, filling: Filling, q: Array) -> Array:
-    """Each piece belongs to the joints on two sides of one tile: above it and to its left."""
+    """Each piece belongs to the joints on two sides of one tile, above it and to its left; from piece to piece there is
+    a soft passage as long as a joint is thick, where grain keeps its strength."""
     t = material.tiling
     own = t.locate(q)
-    in_bed = jnp.minimum(own.top, own.bottom) < t.mortar_y  # wherever tiles really end
-    below = in_bed & (own.bottom < own.top)
-    place = t.locate(q + jnp.stack([jnp.zeros_like(own.top), jnp.where(below, t.mortar_y, 0.0)]))
-    right = (~in_bed & (place.right < place.left)).astype(jnp.int32)
-    piece = filling.joint_piece[entry_of(material, place.course, place.tile + right)]
-    row, column = _stock_place(material, piece, q, filling.joint_stock.shape[0])
-    return filling.joint_stock[row, column]
+    to_bed = jnp.minimum(own.top, own.bottom)
+    reach_x, reach_y = jnp.maximum(t.mortar_x, 1.0), jnp.maximum(t.mortar_y, 1.0)
+
+    def piece(course: Array, tile: Array) -> Array:
+        place = filling.joint_piece[entry_of(material, course, tile)]
+        row, column = _stock_place(material, place, q, filling.joint_stock.shape[0])
+        return filling.joint_stock[row, column]
+
+    below = own.course + jnp.where(own.bottom < own.top, 1, 0)
+    lower = t.locate(jnp.stack([q[0], (below + 0.5) * t.tile_height]))
+    beside = jnp.where(lower.right < lower.left, 1, -1)
+    to_head = jnp.minimum(lower.left, lower.right)
+    bed = _pass_over(
+        piece(below, lower.tile), piece(below, lower.tile + beside), jnp.clip(0.5 - 0.5 * to_head / reach_x, 0.0, 0.5)
+    )
+    head = piece(own.course, own.tile + jnp.where(own.right < own.left, 1, 0))
+    return _pass_over(bed, head, jnp.clip(2.0 * to_bed / reach_y - 1.0, 0.0, 1.0))
+
+
+def _pass_over(one: Array, other: Array, share: Array) -> Array:
+    """A mixture of grains as strong as each of them."""
+    return ((1.0 - share) * one + share * other) / jnp.sqrt((1.0 - share) ** 2 + share**2)
 
 
 def _stock_place(material: Material, piece: Array, q: Array, side: int) -> tuple[Array, Array]:

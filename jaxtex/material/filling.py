@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 from jax import Array
+from scipy.spatial import cKDTree
 
 from jaxtex.core.colour import linear_to_srgb
 from jaxtex.material.appearance import Appearance
@@ -76,12 +77,12 @@ def make_filling(
     stocks = []
     for number, examples in enumerate(interiors.tile_grain):
         grain = make_grain(examples, pixel, side, key=jax.random.fold_in(keys[0], number))
-        relief = relief_of(grain, examples, appearance.tile_bump)
+        relief = relief_of(grain, interiors.tile_grain, appearance.tile_bump)
         stocks.append(np.concatenate([grain, relief[..., None], wobble[..., None]], axis=-1))
     tile_stock = np.stack(stocks).astype(np.float32)
     joint_side = min(side, 1024)
     joint_grain = make_grain(interiors.joint_grain, pixel, joint_side, key=keys[2])
-    relief = relief_of(joint_grain, interiors.joint_grain, appearance.joint_bump)
+    relief = relief_of(joint_grain, [interiors.joint_grain], appearance.joint_bump)
     like = _measured_like(appearance, interiors)[drawn[1].ravel()]
     chance = _draw_pieces(keys[3], *(jnp.asarray(pad_table(part.ravel())) for part in (table.course, table.tile)))
     chance = np.asarray(chance)[: table.course.size]
@@ -118,11 +119,9 @@ def _measured_like(appearance: Appearance, interiors: Interiors) -> npt.NDArray[
     number = {place: n for n, place in enumerate(map(tuple, interiors.places.tolist()))}
     colours = linear_to_srgb(np.array(list(appearance.tiles.values())))
     places = list(appearance.tiles)
-    measured = np.array([n for n, place in enumerate(places) if place in number])
-    nearest = np.argmin(np.square(colours[:, None] - colours[measured][None]).sum(axis=-1), axis=1)
-    return np.array(
-        [number.get(place, number[places[measured[near]]]) for place, near in zip(places, nearest, strict=True)]
-    )
+    measured = [n for n, place in enumerate(places) if place in number]
+    nearest = cKDTree(colours[measured]).query(colours)[1]
+    return np.array([number.get(place, number[places[measured[k]]]) for place, k in zip(places, nearest, strict=True)])
 
 
 def _pixels_of_tiles(

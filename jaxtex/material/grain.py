@@ -8,7 +8,7 @@ import numpy.typing as npt
 from jaxtex.material.cells import Cell
 from jaxtex.material.edges import SIDES
 
-MARGIN = 2.0, 0.1
+MARGIN = 2.0, 0.15
 """Pixels, and share of a face's shorter side: so far inside of the edges grain is the same all over."""
 
 _MOST_PIXELS = 1 << 18  # of all examples of one kind

@@ -33,6 +33,9 @@ from jaxtex.photo.pictures import check_picture
 _CONTRAST = 0.4, 2.5  # of a tile's grain against the usual: no more is believed
 _FARTHEST = 0.15  # of a tile: how far from the tiling's an edge is believed to be
 _WOBBLE = 0.15  # of a joint: how far outlines are believed to stray besides
+_NOISE = 0.7  # pixels: standard deviation of where a mask has an edge
+_THINNEST = 1.5  # pixels: where joints are thinner, edges are where the tiling has them
+_SMALLEST = 3  # pixels to a side of a face: smaller ones show nothing
 _PAINTED = 0.6  # of a tile and the joints around it that must be painted over to count
 _GAP = 0.25  # of a joint: what is left of it between any two tiles
 
@@ -97,22 +100,22 @@ def measure_interiors(
     """
     regions = regions or Regions()
     layers = _layers(pixels, np.asarray(mask), regions.painted)
-    cells = cut_cells(layers, tiling, list(appearance.tiles))
+    cells = [cell for cell in cut_cells(layers, tiling, list(appearance.tiles)) if _shows_a_face(cell)]
     if not cells:
         return None
-    masks = [cell.values[..., 3] for cell in cells]
-    painted = [np.rint(cell.values[..., 4]).astype(int) for cell in cells]
+    masks = [np.clip(cell.values[..., 3], 0, 1) for cell in cells]
+    painted = [np.maximum(np.rint(cell.values[..., 4]), 0).astype(int) for cell in cells]
     cells = [cell._replace(values=cell.values[..., :3]) for cell in cells]
     joint = float(tiling.mortar_x), float(tiling.mortar_y)
     places = np.array([cell.place for cell in cells], np.int32)
     outline = measure_outlines(cells, masks, reach=max(joint))
     shift = _plausible(outline.shift, places, cells, joint)
     cells = [_move_edges(cell, own) for cell, own in zip(cells, shift, strict=True)]
-    clean = choose_clean(cells, masks)
+    kind = class_of(appearance.pattern, *places.T)
+    clean = np.sort(np.concatenate([_clean_of(cells, masks, kind == each) for each in np.unique(kind)]))
     profile = tile_profile([cells[n] for n in clean])
     grains = [tile_grain(cell, profile) for cell in cells]
     contrast = _contrast(grains, clean)
-    kind = class_of(appearance.pattern, *places.T)
     if regions.painted is not None:
         clean, kind = _follow_paint(painted, cells)
     even = [grain / strength for grain, strength in zip(grains, contrast, strict=True)]
@@ -170,9 +173,13 @@ def _plausible(
 ) -> npt.NDArray[np.float32]:
     """Shifts of edges that leave tiles and the joints between them; on the average none, as the tiling has it."""
     shift = shift - np.median(shift)
-    size = np.array([(cell.left.max() + joint[0], cell.top.max() + joint[1]) for cell in cells])
-    farthest = _FARTHEST * np.repeat(size, 2, axis=1)
-    shift = np.clip(shift, -farthest, farthest)
+    thickness = np.repeat(joint, 2)
+    faces = 2 * np.repeat([(cell.left.max(), cell.top.max()) for cell in cells], 2, axis=1)
+    farthest = np.minimum(_FARTHEST * (faces + thickness), thickness)
+    # Where joints are thin, or tiles are as regular as a mask can tell, edges are where the tiling has them.
+    noise = np.minimum(1.0, (_NOISE / np.maximum(shift.std(axis=0), 1e-6)) ** 2)
+    shift = np.clip(shift * (1.0 - noise), -np.minimum(farthest, 0.25 * faces), farthest)
+    shift[:, thickness < _THINNEST] = 0.0
     shift[:, 2:] = np.minimum(shift[:, 2:], 0.5 * (1 - _GAP) * joint[1])
     number = {place: n for n, place in enumerate(map(tuple, places.tolist()))}
     for (course, tile), n in number.items():
@@ -185,6 +192,19 @@ def _plausible(
         if (course, tile + 1) not in number:
             shift[n, 1] = min(shift[n, 1], (1 - _GAP) * joint[0])
     return shift.astype(np.float32)
+
+
+def _shows_a_face(cell: Cell) -> bool:
+    sides = np.minimum(cell.top, cell.bottom), np.minimum(cell.left, cell.right)
+    return all(int(np.sum(side > 0)) >= _SMALLEST for side in sides)
+
+
+def _clean_of(
+    cells: Sequence[Cell], masks: Sequence[npt.NDArray[np.float32]], chosen: npt.NDArray[np.bool_]
+) -> npt.NDArray[np.int_]:
+    """The clean ones of the tiles of one kind: another kind may be another way."""
+    numbers = np.flatnonzero(chosen)
+    return numbers[choose_clean([cells[n] for n in numbers.tolist()], [masks[n] for n in numbers.tolist()])]
 
 
 def _move_edges(cell: Cell, shift: npt.NDArray[np.float32]) -> Cell:
@@ -209,5 +229,6 @@ def _offsets(
 def _examples(
     grains: Sequence[npt.NDArray[np.float32]], clean: npt.NDArray[np.int_], kind: npt.NDArray[np.int_], wanted: int
 ) -> npt.NDArray[np.float32]:
-    own = [n for n in clean if kind[n] == wanted]
-    return stack_regions([grains[n] for n in own or clean])
+    own = np.flatnonzero(kind == wanted)
+    chosen = np.intersect1d(own, clean) if np.isin(own, clean).any() else own
+    return stack_regions([grains[n] for n in (chosen if len(chosen) else clean)])

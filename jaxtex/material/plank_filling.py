@@ -97,7 +97,7 @@ def fill_planks(
         colour = make_grain(
             grain.examples, (step, step), choose_side(breadth, length), key=jax.random.fold_in(key, sort)
         )
-        relief = relief_of(colour, grain.examples, choose_slope(grain.examples))
+        relief = relief_of(colour, [grain.examples], choose_slope([grain.examples]))
         stocks.append(np.concatenate([colour, relief[..., None]], axis=-1).astype(np.float32))
         own_key = jax.random.fold_in(key, len(interiors.grain) + 1 + sort)
         fine.append(make_grain(grain.fine, (step, step), choose_side(breadth, breadth), key=own_key))

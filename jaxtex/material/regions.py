@@ -12,6 +12,7 @@ from jaxtex.material.cells import Cell, cut_box
 from jaxtex.models.tiling import Tiling
 
 _MOST_KINDS = 16
+_LARGEST = 1.2  # times a tile's size, joint included: larger rectangles are meant for several
 _SMALLEST = 3  # pixels to a side of a rectangle, once it is inside of its tile
 
 Rectangle = tuple[float, float, float, float]
@@ -105,6 +106,8 @@ def cut_grain(
     (number,) = find_tiles(tiling, cells, [rectangle])
     place = tiling.locate(jnp.asarray(0.5 * (low + high), jnp.float32))
     cell, grain = cells[number], grains[number]
+    if ((high - low) > _LARGEST * np.array([float(place.left + place.right), float(place.top + place.bottom)])).any():
+        raise InputError(f"tile region {_told(rectangle)}: covers more than one tile; put it inside of one")
     middle = 0.5 * (low + high)
     start = middle - np.array([float(place.left), float(place.top)])  # the tile's corner, joints included
     half = 0.5 * np.array([float(tiling.mortar_x), float(tiling.mortar_y)])

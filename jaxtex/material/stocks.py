@@ -1,6 +1,7 @@
 """Stocks of grain, made at the resolution of the maps, from which every tile takes a piece of its own."""
 
 import math
+from collections.abc import Sequence
 
 import jax
 import jax.numpy as jnp
@@ -58,16 +59,17 @@ def make_grain(
 
 
 def _extend(examples: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-    """Examples made as broad as long by reflection: change over the whole of a long tile is grain, too."""
+    """Examples made larger by reflection: change over the whole of a tile is grain, too."""
     height, width = examples.shape[1:3]
-    wanted = min(max(height, width), _EXTENDED)
+    wanted = min(2 * max(height, width), _EXTENDED)
     return np.pad(
         examples, [(0, 0), (0, max(wanted - height, 0)), (0, max(wanted - width, 0)), (0, 0)], mode="symmetric"
     )
 
 
 def make_wobble(deviation: float, length: float, pixel: tuple[float, float], side: int, *, key: Array) -> npt.NDArray:
-    """A field by which outlines stray, [side, side], in plane pixels: Gaussian, with an exponential covariance.
+    """A field by which outlines stray, [side, side], in plane pixels: Gaussian, with Matérn's covariance of order 3/2,
+    so that outlines are rough and yet lines.
 
     Args:
         deviation, length: its standard deviation and correlation length, in plane pixels.
@@ -75,33 +77,35 @@ def make_wobble(deviation: float, length: float, pixel: tuple[float, float], sid
     """
     noise = np.asarray(jax.random.normal(key, (side, side)))
     frequency = np.hypot(np.fft.fftfreq(side)[:, None] / pixel[1], np.fft.rfftfreq(side)[None, :] / pixel[0])
-    # The spectrum of an exponential covariance in the plane, and no more than the pixels hold.
-    amplitude = (1.0 + (2.0 * np.pi * length * frequency) ** 2) ** -0.75
+    # The covariance's spectrum in the plane; it falls to 1/e at 1.24 of its scale.
+    amplitude = (1.0 + (2.0 * np.pi * length / 1.24 * frequency) ** 2 / 3.0) ** -1.25
     amplitude[0, 0] = 0.0
     field = np.fft.irfft2(np.fft.rfft2(noise) * amplitude, s=noise.shape)
     return np.clip(deviation * field / max(float(field.std()), 1e-12), -2.5 * deviation, 2.5 * deviation)
 
 
-def relief_of(grain: npt.NDArray[np.float32], examples: npt.NDArray[np.float32], slope: float) -> npt.NDArray:
+def relief_of(grain: npt.NDArray[np.float32], examples: Sequence[npt.NDArray[np.float32]], slope: float) -> npt.NDArray:
     """Heights [row, col] in plane pixels that go with grain: what is darker lies deeper.
 
     Args:
         grain: the stock, [row, col, 3].
-        examples: what it was made of, whose slopes, as the photograph shows them, are made to be `slope` in the root
-            mean square. At a finer resolution finer slopes join them.
+        examples: of all kinds together, whose slopes, as the photograph shows them, are made to be `slope` in the root
+            mean square: a kind of less contrast is the smoother. At a finer resolution finer slopes join them.
         slope: 0 for none.
     """
-    if not len(examples) or not slope > 0 or not examples.any():
+    seen = [each for each in examples if each.any()]
+    if not seen or not slope > 0:
         return np.zeros(grain.shape[:2], np.float32)
-    light = gaussian_filter(examples.mean(axis=3), (0, _SOFT, _SOFT), mode="nearest")
-    changes = [np.mean(np.square(np.diff(light, axis=axis))) for axis in (1, 2)]
-    steepness = math.sqrt(float(np.sum(changes)))
+    light = [gaussian_filter(each.mean(axis=3), (0, _SOFT, _SOFT), mode="nearest") for each in seen]
+    changes = [sum(np.mean(np.square(np.diff(each, axis=axis))) for axis in (1, 2)) for each in light]
+    steepness = math.sqrt(float(np.mean(changes)))
     return slope / max(steepness, 1e-6) * gaussian_filter(grain.mean(axis=2), _SOFT, mode="wrap")
 
 
-def choose_slope(examples: npt.NDArray[np.float32]) -> float:
+def choose_slope(examples: Sequence[npt.NDArray[np.float32]]) -> float:
     """How uneven a surface is taken to be, as the root mean square of its slopes, by the contrast of its grain."""
-    return round(min(_STEEPEST, _STEEPNESS * float(np.std(examples))), 3) if examples.size else 0.0
+    contrasts = [float(np.std(each)) for each in examples if each.size]
+    return round(min(_STEEPEST, _STEEPNESS * math.sqrt(np.mean(np.square(contrasts)))), 3) if contrasts else 0.0
 
 
 def _resample(examples: npt.NDArray[np.float32], scale: tuple[float, float]) -> npt.NDArray[np.float32]:
