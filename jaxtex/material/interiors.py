@@ -176,9 +176,9 @@ def _plausible(
     thickness = np.repeat(joint, 2)
     faces = 2 * np.repeat([(cell.left.max(), cell.top.max()) for cell in cells], 2, axis=1)
     farthest = np.minimum(_FARTHEST * (faces + thickness), thickness)
-    # Where joints are thin, or tiles are as regular as a mask can tell, edges are where the tiling has them.
-    noise = np.minimum(1.0, (_NOISE / np.maximum(shift.std(axis=0), 1e-6)) ** 2)
-    shift = np.clip(shift * (1.0 - noise), -np.minimum(farthest, 0.25 * faces), farthest)
+    # What is no more than a mask's uncertainty is taken for that: machine-made tiles lie in line.
+    sure = np.maximum(0.0, 1.0 - (_NOISE / np.maximum(np.abs(shift), 1e-6)) ** 2)
+    shift = np.clip(shift * sure, -np.minimum(farthest, 0.25 * faces), farthest)
     shift[:, thickness < _THINNEST] = 0.0
     shift[:, 2:] = np.minimum(shift[:, 2:], 0.5 * (1 - _GAP) * joint[1])
     number = {place: n for n, place in enumerate(map(tuple, places.tolist()))}

@@ -184,7 +184,8 @@ def test_two_planks_of_one_tone_differ_inside(found):
 def test_planks_with_their_own_rings_keep_them(found):
     own = [dataclasses.replace(plank, own=True) for plank in PLANKS]
     bare = render(own, interiors=None)
-    none = dataclasses.replace(found.grain[0], examples=np.zeros((0, 1, 1, 3), np.float32))
+    nothing = np.zeros((0, 1, 1, 3), np.float32)
+    none = dataclasses.replace(found.grain[0], examples=nothing, fine=nothing)
     plain = dataclasses.replace(
         found, own=np.ones(3, bool), tone=0 * found.tone, profile=0 * found.profile, grain=(none, none)
     )

@@ -129,24 +129,24 @@ def test_no_wobble_is_none():
 
 
 def test_relief_is_as_steep_as_asked_and_dark_is_deep(stock):
-    relief = relief_of(stock, draw_examples(), 0.2)
+    relief = relief_of(stock, [draw_examples()], 0.2)
     slopes = [np.roll(relief, -1, axis) - relief for axis in (0, 1)]
     assert np.sqrt(np.mean(np.square(slopes).sum(axis=0))) == pytest.approx(0.2, rel=0.15)
     assert np.corrcoef(relief.ravel(), stock.mean(axis=2).ravel())[0, 1] > 0.9
-    np.testing.assert_allclose(relief_of(stock, draw_examples(), 0.4), 2 * relief, rtol=1e-4, atol=1e-6)
+    np.testing.assert_allclose(relief_of(stock, [draw_examples()], 0.4), 2 * relief, rtol=1e-4, atol=1e-6)
 
 
 def test_no_slope_and_no_examples_are_flat(stock):
-    assert not relief_of(stock, draw_examples(), 0.0).any()
-    assert not relief_of(stock, np.zeros((0, 1, 1, 3), np.float32), 0.2).any()
-    assert not relief_of(np.zeros_like(stock), np.zeros((1, 9, 9, 3), np.float32), 0.2).any()
+    assert not relief_of(stock, [draw_examples()], 0.0).any()
+    assert not relief_of(stock, [np.zeros((0, 1, 1, 3), np.float32)], 0.2).any()
+    assert not relief_of(np.zeros_like(stock), [np.zeros((1, 9, 9, 3), np.float32)], 0.2).any()
 
 
 def test_slopes_follow_the_contrast_up_to_a_limit():
     grain = draw_examples()
-    slope = choose_slope(grain)
-    assert 0 < slope < choose_slope(2 * grain) <= choose_slope(100 * grain) == 0.25
-    assert choose_slope(np.zeros((0, 1, 1, 3))) == choose_slope(np.zeros((1, 9, 9, 3))) == 0
+    slope = choose_slope([grain])
+    assert 0 < slope < choose_slope([2 * grain]) <= choose_slope([100 * grain]) == 0.25
+    assert choose_slope([np.zeros((0, 1, 1, 3))]) == choose_slope([np.zeros((1, 9, 9, 3))]) == 0
     assert slope == round(slope, 3)
 
 
