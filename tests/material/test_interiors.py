@@ -167,8 +167,8 @@ def test_a_turned_wall_has_the_interiors_of_an_upright_one():
     photo = srgb_to_linear(np.where(mask[..., None] > 0, 0.4 + noise, 0.75) * np.ones(3)).astype(np.float32)
     found = measure_interiors(photo, turned, measure_appearance(photo, turned, mask=mask), mask=mask)
     assert len(found.places) >= 5
-    np.testing.assert_allclose(
-        np.median(found.shift[:, :2], axis=0) - np.median(found.shift[:, 2:], axis=0), 2, atol=0.7
-    )
+    # A pixel out and a pixel in: half of it is believed, as a mask is not sure of less.
+    apart = np.median(found.shift[:, :2], axis=0) - np.median(found.shift[:, 2:], axis=0)
+    np.testing.assert_allclose(apart, 1, atol=0.4)
     # Between pixels splines smooth white noise a little.
     assert 0.02 < found.tile_grain[0].std() < 0.032
