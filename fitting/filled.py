@@ -239,7 +239,7 @@ def show(trial: Trial) -> str:
     for words, picture in pictures.items():
         shown = np.clip(np.broadcast_to(picture, (*picture.shape[:2], 3)), 0, 1).astype(np.float32)
         source = embed_picture(shown, "picture.jpg")
-        cells.append(f"<figure><img src=\"{source}\" alt=\"{words}\"><figcaption>{words}</figcaption></figure>")
+        cells.append(f'<figure><img src="{source}" alt="{words}"><figcaption>{words}</figcaption></figure>')
     return f"<h2>{trial.name}</h2><div>{''.join(cells)}</div>"
 
 
