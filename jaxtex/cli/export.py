@@ -63,9 +63,9 @@ class Export:
     """Tilings: of the colours of tiles that the photograph does not show, and of interiors."""
 
     def run(self) -> int:
-        from jaxtex.cli.values import parse_repeats
+        from jaxtex.cli.values import parse_counts
 
-        repeat = parse_repeats("--repeat", self.repeat)
+        repeat = parse_counts("--repeat", self.repeat, "repeats")
         self._check_width()
         self._check_row(repeat)
 
@@ -88,13 +88,13 @@ class Export:
         """The model, its maps, and how it is laid over a mesh's faces, if it is."""
         from jaxtex.cli.mixture_maps import open_mixture, read_parts
         from jaxtex.cli.model_maps import SheetOptions, open_maps, refuse
-        from jaxtex.cli.values import check_seed, parse_finishes, parse_size, parse_tiles
+        from jaxtex.cli.values import check_seed, parse_counts, parse_finishes, parse_size
         from jaxtex.models.files import TilingFile, load_any
         from jaxtex.models.floor_files import FloorFile
         from jaxtex.models.mixture_files import MixtureFile
 
         size = None if self.size is None else parse_size("--size", self.size)
-        tiles = None if self.tiles is None else parse_tiles("--tiles", self.tiles)
+        tiles = None if self.tiles is None else parse_counts("--tiles", self.tiles, "tiles")
         finishes, seed = parse_finishes("--finish", self.finish), check_seed(self.seed)
         options = SheetOptions(tiles, True, seed, seams_allowed=True, fill=not self.no_fill, finishes=finishes)
         file = load_any(self.model)

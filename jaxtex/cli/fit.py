@@ -68,6 +68,8 @@ class Tiling:
         joint_regions = tuple(parse_rectangle("--joint-region", word) for word in self.joint_region)
         if self.regions and tile_regions:
             raise InputError("--regions: and --tile-region both say where to learn from; give one of them")
+        if self.no_fill and (tile_regions or joint_regions or self.regions):
+            raise InputError("--no-fill: learns nothing from regions; leave out one or the other")
         fix, init = parse_assignments("--fix", self.fix), parse_assignments("--init", self.init)
 
         from jaxtex.cli.progress import reporting

@@ -63,10 +63,10 @@ class Render:
 
     def run(self) -> int:
         from jaxtex.cli.render_wood import WoodTask, render_wood_file
-        from jaxtex.cli.values import check_seed, parse_block, parse_finishes, parse_size, parse_tiles
+        from jaxtex.cli.values import check_seed, parse_block, parse_counts, parse_finishes, parse_size
 
         size = None if self.size is None else parse_size("--size", self.size)
-        tiles = None if self.tiles is None else parse_tiles("--tiles", self.tiles)
+        tiles = None if self.tiles is None else parse_counts("--tiles", self.tiles, "tiles")
         block = None if self.block is None else parse_block("--block", self.block)
         finishes = parse_finishes("--finish", self.finish)
         check_seed(self.seed)

@@ -49,44 +49,25 @@ def parse_size(option: str, word: str) -> tuple[int, int]:
     return int(match[1]), int(match[2])
 
 
-def parse_tiles(option: str, word: str) -> tuple[int, int]:
-    """Read "CxR" as numbers of tiles: (columns, rows).
+def parse_counts(option: str, word: str, what: str) -> tuple[int, int]:
+    """Read "CxR": how many stand side by side, and one above the other.
 
     Args:
         option: the option's name, for the complaint.
         word: what the user typed.
+        what: of what, in the plural.
 
     Raises:
         InputError: it is not two whole numbers of 1 or more with an x between.
 
     Examples:
-        >>> parse_tiles("--tiles", "12x20")
+        >>> parse_counts("--tiles", "12x20", "tiles")
         (12, 20)
     """
     try:
         return parse_size(option, word)
     except InputError:
-        raise InputError(f"{option}: '{word}' is no number of tiles; write COLUMNSxROWS, as in 12x20") from None
-
-
-def parse_repeats(option: str, word: str) -> tuple[int, int]:
-    """Read "CxR": how often something stands side by side, and one above the other.
-
-    Args:
-        option: the option's name, for the complaint.
-        word: what the user typed.
-
-    Raises:
-        InputError: it is not two whole numbers of 1 or more with an x between.
-
-    Examples:
-        >>> parse_repeats("--repeat", "3x2")
-        (3, 2)
-    """
-    try:
-        return parse_size(option, word)
-    except InputError:
-        raise InputError(f"{option}: '{word}' is no number of repeats; write COLUMNSxROWS, as in 3x2") from None
+        raise InputError(f"{option}: '{word}' is no number of {what}; write COLUMNSxROWS, as in 12x20") from None
 
 
 def parse_block(option: str, word: str) -> tuple[int, int, int]:

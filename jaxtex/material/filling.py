@@ -11,11 +11,13 @@ from scipy.spatial import cKDTree
 from jaxtex.core.colour import linear_to_srgb
 from jaxtex.material.appearance import Appearance
 from jaxtex.material.cells import tile_bounds
-from jaxtex.material.draw import pad_table
+from jaxtex.material.draw import DrawnTiles, pad_table
 from jaxtex.material.grain import MARGIN
 from jaxtex.material.interiors import Interiors
 from jaxtex.material.sheet import Sheet, TileTable
 from jaxtex.material.stocks import choose_side, make_grain, make_wobble, relief_of
+
+_JOINTS = 1024  # pixels: the side of a stock of joints, at most
 
 
 class Filling(eqx.Module):
@@ -55,7 +57,7 @@ def make_filling(
     table: TileTable,
     appearance: Appearance,
     interiors: Interiors,
-    drawn: tuple[npt.NDArray[np.float32], npt.NDArray[np.int32]],
+    drawn: DrawnTiles,
     *,
     pixel: tuple[float, float],
     key: Array,
@@ -69,49 +71,54 @@ def make_filling(
         pixel: breadth and height of the maps' pixels in plane pixels.
         key: random key. A tile's piece depends on it, the tile and the resolution alone.
     """
-    keys = [jax.random.fold_in(key, purpose) for purpose in range(4)]
-    tiling = sheet.tiling
-    face = float(tiling.tile_height) / pixel[1], float(tiling.tile_width * np.max(tiling.course_lengths)) / pixel[0]
-    side = choose_side(*face)
-    wobble = make_wobble(interiors.wobble, interiors.wobble_length, pixel, side, key=keys[1])
-    stocks = []
-    for number, examples in enumerate(interiors.tile_grain):
-        grain = make_grain(examples, pixel, side, key=jax.random.fold_in(keys[0], number))
-        relief = relief_of(grain, interiors.tile_grain, appearance.tile_bump)
-        stocks.append(np.concatenate([grain, relief[..., None], wobble[..., None]], axis=-1))
-    tile_stock = np.stack(stocks).astype(np.float32)
-    joint_side = min(side, 1024)
-    joint_grain = make_grain(interiors.joint_grain, pixel, joint_side, key=keys[2])
-    relief = relief_of(joint_grain, [interiors.joint_grain], appearance.joint_bump)
-    like = _measured_like(appearance, interiors)[drawn[1].ravel()]
-    chance = _draw_pieces(keys[3], *(jnp.asarray(pad_table(part.ravel())) for part in (table.course, table.tile)))
-    chance = np.asarray(chance)[: table.course.size]
-    start, extent = _pixels_of_tiles(sheet, table, pixel)
+    stocks, joints, pieces = (jax.random.fold_in(key, purpose) for purpose in range(3))
+    start, size = pixels_of_tiles(sheet, table, pixel)
+    extent = np.ceil(size / np.array(pixel[::-1])).astype(np.int64)
+    tile_stock = _make_tile_stock(interiors, appearance, pixel, choose_side(*extent.max(axis=0)), stocks)
+    side, joint_side = tile_stock.shape[1], min(tile_stock.shape[1], _JOINTS)
+    joint_grain = make_grain(interiors.joint_grain, pixel, joint_side, key=joints)
+    joint_relief = relief_of(joint_grain, [interiors.joint_grain], appearance.joint_bump)
+    like = _measured_like(appearance, interiors)[drawn.like.ravel()]
+    places = (jnp.asarray(pad_table(part.ravel())) for part in (table.course, table.tile))
+    chance = np.asarray(_draw_pieces(pieces, *places))[: table.course.size]
     first = np.floor(chance[:, :2] * np.maximum(side - extent + 1, 1)).astype(np.int64)
+    joint_first = np.floor(chance[:, 2:] * joint_side).astype(np.int64)
     kind, contrast = interiors.kind[like], interiors.contrast[like]
     shift = _shifts(interiors, like, table)
     before, after = _margins(sheet, pixel, shift)
     inside = np.maximum(first + before, 0), np.maximum(extent - before - after, 1)
     excess = contrast[:, None] * _mean_of_pieces(tile_stock[..., :3], kind, *inside) - interiors.offset[like]
-    colour = linear_to_srgb(np.clip(drawn[0].reshape(-1, 3), 0, 1)) - excess
-    joint_first = np.floor(chance[:, 2:] * joint_side).astype(np.int64)
     tables = {
         "kind": kind.astype(np.int32),
         "piece": (first - start).astype(np.int32),
         "joint_piece": (joint_first - start).astype(np.int32),
         "contrast": contrast,
-        "colour": colour.astype(np.float32),
+        "colour": (linear_to_srgb(np.clip(drawn.colour.reshape(-1, 3), 0, 1)) - excess).astype(np.float32),
         "shift": shift,
     }
     return Filling(
         tile_stock=jnp.asarray(tile_stock),
-        joint_stock=jnp.asarray(np.concatenate([joint_grain, relief[..., None]], axis=-1), jnp.float32),
+        joint_stock=jnp.asarray(np.concatenate([joint_grain, joint_relief[..., None]], axis=-1), jnp.float32),
         joint=jnp.asarray(linear_to_srgb(np.array(appearance.joint)), jnp.float32),
         tile_profile=jnp.asarray(interiors.tile_profile),
         joint_profile=jnp.asarray(interiors.joint_profile),
         corner=jnp.asarray(sheet.corner, jnp.float32),
         **{name: jnp.asarray(pad_table(values)) for name, values in tables.items()},
     )
+
+
+def _make_tile_stock(
+    interiors: Interiors, appearance: Appearance, pixel: tuple[float, float], side: int, key: Array
+) -> npt.NDArray[np.float32]:
+    """As `Filling.tile_stock`. All kinds have the same wobble."""
+    kinds = len(interiors.tile_grain)
+    wobble_key = jax.random.fold_in(key, kinds)
+    stock = np.empty((kinds, side, side, 5), np.float32)
+    stock[..., 4] = make_wobble(interiors.wobble, interiors.wobble_length, pixel, side, key=wobble_key)
+    for number, examples in enumerate(interiors.tile_grain):
+        stock[number, ..., :3] = make_grain(examples, pixel, side, key=jax.random.fold_in(key, number))
+        stock[number, ..., 3] = relief_of(stock[number, ..., :3], interiors.tile_grain, appearance.tile_bump)
+    return stock
 
 
 def _measured_like(appearance: Appearance, interiors: Interiors) -> npt.NDArray[np.int_]:
@@ -124,20 +131,19 @@ def _measured_like(appearance: Appearance, interiors: Interiors) -> npt.NDArray[
     return np.array([number.get(place, number[places[measured[k]]]) for place, k in zip(places, nearest, strict=True)])
 
 
-def _pixels_of_tiles(
+def pixels_of_tiles(
     sheet: Sheet, table: TileTable, pixel: tuple[float, float]
-) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """The map's pixel (row, col) in which each tile of the table begins, and how many it has: [tile, 2] each."""
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
+    """The map's pixel (row, col) in which each tile of the table begins, and its height and width in plane pixels,
+    joints included: [tile, 2] each."""
     numbers = table.first[:, None] + np.arange(table.tile.shape[1])
     course = np.broadcast_to(np.arange(len(table.first))[:, None] + sheet.first_course - 1, numbers.shape)
     left, right = (edge.ravel() for edge in tile_bounds(sheet.tiling, course, numbers))
-    top = course.ravel() * float(sheet.tiling.tile_height)
+    height = float(sheet.tiling.tile_height)
+    begin = np.stack([course.ravel() * height, left], axis=-1)
     # What rounding puts a hair before a pixel's border is meant to be on it, at either end of a seamless sheet.
-    start = np.stack([(top - sheet.corner[1]) / pixel[1], (left - sheet.corner[0]) / pixel[0]], axis=-1)
-    extent = np.stack(
-        [np.full_like(left, float(sheet.tiling.tile_height) / pixel[1]), (right - left) / pixel[0]], axis=-1
-    )
-    return np.floor(start + 1e-3).astype(np.int64), np.ceil(extent).astype(np.int64)
+    start = np.floor((begin - np.array(sheet.corner[::-1])) / np.array(pixel[::-1]) + 1e-3)
+    return start.astype(np.int64), np.stack([np.full_like(left, height), right - left], axis=-1)
 
 
 def _margins(
@@ -172,12 +178,16 @@ def _mean_of_pieces(
     extent: npt.NDArray[np.int64],
 ) -> npt.NDArray[np.float64]:
     """Mean colour of each tile's piece, [tile, 3]; of what the stock has, where tiles are larger."""
-    sums = np.pad(stock.astype(np.float64).cumsum(axis=1).cumsum(axis=2), [(0, 0), (1, 0), (1, 0), (0, 0)])
     first = np.minimum(first, stock.shape[1] - 1)
     end = np.minimum(first + extent, stock.shape[1])
-    (top, left), (bottom, right) = first.T, end.T
-    total = sums[kind, bottom, right] - sums[kind, top, right] - sums[kind, bottom, left] + sums[kind, top, left]
-    return total / np.prod(end - first, axis=1)[:, None]
+    means = np.zeros((len(kind), 3))
+    for number, grain in enumerate(stock):
+        sums = np.pad(grain.astype(np.float64).cumsum(axis=0).cumsum(axis=1), [(1, 0), (1, 0), (0, 0)])
+        own = kind == number
+        (top, left), (bottom, right) = first[own].T, end[own].T
+        total = sums[bottom, right] - sums[top, right] - sums[bottom, left] + sums[top, left]
+        means[own] = total / np.prod(end[own] - first[own], axis=1)[:, None]
+    return means
 
 
 @jax.jit

@@ -64,8 +64,9 @@ def sky_over(tiles: list[Near], risen: Array, material: Material) -> Array:
     depth = material.relief[0] * (1.0 - risen)
     inside_x = jnp.max(jnp.stack([tile.inside_x for tile in tiles]))
     inside_y = jnp.max(jnp.stack([tile.inside_y for tile in tiles]))
-    across = _open_sky(inside_x, material.tiling.mortar_x, depth)
-    down = _open_sky(inside_y, material.tiling.mortar_y, depth)
+    # A joint is as thick as its two tiles leave it; the first three tiles are its own, one beside, one above or below.
+    across = _open_sky(inside_x, -(tiles[0].inside_x + tiles[1].inside_x), depth)
+    down = _open_sky(inside_y, -(tiles[0].inside_y + tiles[2].inside_y), depth)
     crossing = (inside_x < 0) & (inside_y < 0)
     return jnp.where(crossing, jnp.maximum(across, down), across * down)
 

@@ -11,6 +11,7 @@ from jaxtex.material.edges import SIDES
 MARGIN = 2.0, 0.15
 """Pixels, and share of a face's shorter side: so far inside of the edges grain is the same all over."""
 
+_STEP = 1 / 255
 _MOST_PIXELS = 1 << 18  # of all examples of one kind
 _REACH = 0.4, 4, 64  # of the shorter side of a face, and in pixels: how far edges show in a tile's colour
 _THINNEST = 4  # pixels: nothing can be learnt from the inside of thinner joints
@@ -18,6 +19,21 @@ _MIDDLE = 0.65  # of a joint: towards tiles there are shadows and what tiles hav
 _LONG = 8  # times its thickness: how long an example of a joint is
 _DIRT = 10.0  # times as uneven does a strip count that the mask calls all tile
 _FEWEST = 8  # examples of joints
+
+
+def to_steps(grain: npt.NDArray[np.float32]) -> npt.NDArray[np.int8]:
+    """Grain in steps of 1/255, up to half of the range of values either way: photographs have no finer."""
+    return np.clip(np.rint(grain / _STEP), -127, 127).astype(np.int8)
+
+
+def from_steps(steps: npt.NDArray[np.int8]) -> npt.NDArray[np.float32]:
+    """The grain that `to_steps` has made steps of."""
+    return steps.astype(np.float32) * np.float32(_STEP)
+
+
+def in_steps(grain: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Grain as a file keeps it, so that what is rendered of a file is what was rendered when it was measured."""
+    return from_steps(to_steps(grain))
 
 
 def face_colour(cell: Cell) -> npt.NDArray[np.float32]:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from jaxtex.core.errors import InputError
 from jaxtex.io.arrays import read_arrays, write_arrays
 from jaxtex.material.appearance import appearance_of
+from jaxtex.material.grain import from_steps, to_steps
 from jaxtex.material.interiors import Interiors
 from jaxtex.material.planks import PlankGrain, PlankInteriors
 from jaxtex.models.files import TilingFile
@@ -18,13 +19,12 @@ from jaxtex.models.floor_files import FloorFile
 InteriorsT = TypeVar("InteriorsT")
 
 _SCHEMA = 1
-_STEP = 1 / 255  # of grain as it is kept: photographs have no finer
 
 
 def write_interiors(path: Path | str, interiors: Interiors | PlankInteriors) -> None:
     """Write interiors to a `.npz` file, whole or not at all.
 
-    Grain is kept in steps of 1/255, up to half of the range of values either way.
+    Grain is kept in the steps in which it was measured, so that what is read is what was written.
 
     Raises:
         InputError: the file cannot be made.
@@ -90,8 +90,8 @@ def _tile_arrays(interiors: Interiors) -> dict[str, npt.ArrayLike]:
         "tile_profile",
         "joint_profile",
     )
-    grain = {f"tile_grain_{number}": _to_steps(each) for number, each in enumerate(interiors.tile_grain)}
-    joint = {"kinds": len(interiors.tile_grain), "joint_grain": _to_steps(interiors.joint_grain)}
+    grain = {f"tile_grain_{number}": to_steps(each) for number, each in enumerate(interiors.tile_grain)}
+    joint = {"kinds": len(interiors.tile_grain), "joint_grain": to_steps(interiors.joint_grain)}
     return {name: getattr(interiors, name) for name in names} | grain | joint
 
 
@@ -119,8 +119,8 @@ def _tiles_from_arrays(arrays: Mapping[str, npt.NDArray]) -> Interiors:
 def _plank_arrays(interiors: PlankInteriors) -> dict[str, npt.ArrayLike]:
     arrays = {name: getattr(interiors, name) for name in ("tone", "own", "turned", "contrast", "profile", "joint")}
     for number, grain in enumerate(interiors.grain):
-        arrays |= {f"grain_{number}": _to_steps(grain.examples), f"squeezed_{number}": grain.squeezed}
-        arrays[f"fine_{number}"] = _to_steps(grain.fine)
+        arrays |= {f"grain_{number}": to_steps(grain.examples), f"squeezed_{number}": grain.squeezed}
+        arrays[f"fine_{number}"] = to_steps(grain.fine)
     return arrays
 
 
@@ -155,8 +155,4 @@ def _grain(arrays: Mapping[str, npt.NDArray], name: str) -> npt.NDArray[np.float
     steps = arrays[name]
     if steps.ndim != 4 or steps.shape[3] != 3 or steps.dtype != np.int8:
         raise ValueError(name)
-    return steps.astype(np.float32) * np.float32(_STEP)
-
-
-def _to_steps(grain: npt.NDArray[np.float32]) -> npt.NDArray[np.int8]:
-    return np.clip(np.rint(grain / _STEP), -127, 127).astype(np.int8)
+    return from_steps(steps)

@@ -19,6 +19,7 @@ from jaxtex.material.clean import choose_clean
 from jaxtex.material.edges import SIDES, measure_outlines
 from jaxtex.material.grain import (
     face_colour,
+    in_steps,
     joint_profile,
     joint_strips,
     stack_regions,
@@ -137,8 +138,8 @@ def measure_interiors(
         shift=shift,
         wobble=min(outline.wobble, _WOBBLE * min(joint)),
         wobble_length=outline.length,
-        tile_grain=examples,
-        joint_grain=strips,
+        tile_grain=tuple(in_steps(each) for each in examples),
+        joint_grain=in_steps(strips),
         tile_profile=profile,
         joint_profile=joint_profile(cells, masks, joint_colour, 0.5 * max(joint)),
     )

@@ -65,7 +65,8 @@ def render_maps(
     """Render the material maps of a sheet, some rows at a time from top to bottom.
 
     The maps cover the sheet exactly: where `size` has another ratio of sides, pixels are not square, and heights and
-    slopes stay those of the sheet. Memory is that of a band of 128 rows, whatever the size. The maps of a seamless
+    slopes stay those of the sheet. Memory is that of a band of 128 rows, and of the stocks that interiors
+    are cut from (1.4 GB while the largest are made), whatever the size. The maps of a seamless
     sheet go on, beyond their last row and column, with their first.
 
     Args:

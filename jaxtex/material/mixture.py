@@ -45,10 +45,10 @@ def mix_maps(base: Iterable[NamedTuple], layers: Sequence[Iterator[Seen]]) -> It
         array([[1. , 0.5, 0.5],
                [0.5, 1. , 0.5]], dtype=float32)
     """
-    for band in base:
+    for band, *above in zip(base, *layers, strict=True):
         mixed = _complete(band)
-        for layer in layers:
-            mixed = _lay_over(mixed, next(layer))
+        for layer in above:
+            mixed = _lay_over(mixed, layer)
         yield mixed
 
 

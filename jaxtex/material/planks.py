@@ -15,7 +15,7 @@ import numpy.typing as npt
 from scipy.ndimage import map_coordinates
 
 from jaxtex.core.colour import linear_to_srgb
-from jaxtex.material.grain import at_distance, stack_regions
+from jaxtex.material.grain import at_distance, in_steps, stack_regions
 from jaxtex.material.wood import look_at_plank
 from jaxtex.models.floor_files import PlacedWood
 from jaxtex.models.wood import Wood
@@ -207,7 +207,7 @@ def _grain(pieces: Sequence[npt.NDArray[np.float32]]) -> PlankGrain:
     squeezed = int(2 ** np.clip(round(math.log2(max(across / max(along, 1e-6), 1.0)) * 2.0), 0, math.log2(_SQUEEZED)))
     short = [_shorten(piece, squeezed) for piece in pieces]
     fine = [piece - lengthen(each, squeezed, len(piece)) for piece, each in zip(pieces, short, strict=True)]
-    return PlankGrain(stack_regions(short), squeezed, stack_regions(fine))
+    return PlankGrain(in_steps(stack_regions(short)), squeezed, in_steps(stack_regions(fine)))
 
 
 def _fibres_across(piece: Piece | None) -> bool:

@@ -15,9 +15,8 @@ from jax import Array
 
 from jaxtex.core.colour import linear_to_srgb
 from jaxtex.material.appearance import Appearance
-from jaxtex.material.cells import tile_bounds
 from jaxtex.material.draw import DrawnTiles, pad_table
-from jaxtex.material.filling import Filling
+from jaxtex.material.filling import Filling, pixels_of_tiles
 from jaxtex.material.finish import BARE_WOOD
 from jaxtex.material.sheet import Sheet, TileTable
 from jaxtex.material.wood import RELIEF, ROUNDING, ROWS_AT_ONCE, SPOT, in_single, solid_to_trunk
@@ -113,17 +112,12 @@ def cut_tiles(sheet: Sheet, table: TileTable, timber: Timber, *, pixel: tuple[fl
         key: random key. Where a tile is cut depends on it and the tile alone.
     """
     t = sheet.tiling
-    numbers = table.first[:, None] + np.arange(table.tile.shape[1])
-    course = np.broadcast_to(np.arange(len(table.first))[:, None] + sheet.first_course - 1, numbers.shape)
-    left, right = (edge.ravel() for edge in tile_bounds(t, course, numbers))
-    begin = np.stack([left, course.ravel() * float(t.tile_height)], axis=-1)
-    # What rounding puts a hair before a pixel's border is meant to be on it, at either end of a seamless sheet.
-    start = np.floor((begin - np.array(sheet.corner)) / np.array(pixel) + 1e-3)
-    size = np.stack([right - left, np.full_like(left, float(t.tile_height))], axis=-1) / timber.scale
-    faces = right - left - float(t.mortar_x), float(t.tile_height - t.mortar_y)
+    start, size = pixels_of_tiles(sheet, table, pixel)
+    start, size = start[:, ::-1], size[:, ::-1]  # here as (x, y)
+    faces = size[:, 0] - float(t.mortar_x), float(t.tile_height - t.mortar_y)
     tiles = [jnp.asarray(pad_table(part.ravel())) for part in (table.course, table.tile)]
-    chance, tone = (np.asarray(each)[: len(left)] for each in _draw_cuts(key, *tiles))
-    corner, turn = _lay_boards(timber, size, _grain_along_x(faces, table), chance)
+    chance, tone = (np.asarray(each)[: len(size)] for each in _draw_cuts(key, *tiles))
+    corner, turn = _lay_boards(timber, size / timber.scale, _grain_along_x(faces, table), chance)
     return TileWood(
         wood=in_single(timber.wood),
         blur=jnp.asarray(SPOT * max(pixel) / timber.scale, jnp.float32),

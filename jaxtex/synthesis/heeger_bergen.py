@@ -42,6 +42,10 @@ _HIGHPASS = 0.81
 
 _VIEWS = 3
 
+# On the CPU, how a Fourier transform is shared out among threads depends on what else is being run, and its last bits
+# on how it is shared out. On one thread it is not slower here.
+_SAME_EVERY_TIME = {"xla_cpu_multi_thread_eigen": False}
+
 
 class TextureStatistics(eqx.Module):
     """All that is kept of an exemplar: tables of quantiles (`jaxtex.core.histograms.quantile_table`), per channel of
@@ -155,7 +159,10 @@ def synthesise_texture(
     if finer < 0:
         raise ValueError(f"finer: {finer} is negative; give 0 octaves or more")
     check_structure(shape, scales=statistics.scales + finer, orientations=statistics.orientations)
-    return _synthesise(statistics, key, jnp.asarray(iterations), tuple(shape), finer)
+    # Within a user's own jit, compiling is the user's.
+    nested = any(isinstance(each, jax.core.Tracer) for each in jax.tree.leaves((statistics, key)))
+    compiled = _synthesise if nested else _synthesise_alone
+    return compiled(statistics, key, jnp.asarray(iterations), tuple(shape), finer)
 
 
 def estimate_memory(shape: tuple[int, int], *, orientations: int, channels: int) -> int:
@@ -189,6 +196,9 @@ def _synthesise(statistics: TextureStatistics, key: Array, iterations: Array, sh
 
     channels = jax.lax.fori_loop(0, iterations, step, _match_colours(noise, statistics))
     return jnp.moveaxis(jnp.tensordot(statistics.axes.T, channels, axes=1), 0, -1) + statistics.mean[None, None]
+
+
+_synthesise_alone = jax.jit(_synthesise, static_argnums=(3, 4), compiler_options=_SAME_EVERY_TIME)
 
 
 def _match_sub_bands(filters: SteerableFilters, image: Array, tables: SteerablePyramid) -> Array:
@@ -226,7 +236,7 @@ def colour_views(channels: int) -> npt.NDArray[np.float32]:
     return np.linalg.qr(noise)[0].astype(np.float32)
 
 
-@partial(jax.jit, static_argnums=(1, 2, 3))
+@partial(jax.jit, static_argnums=(1, 2, 3), compiler_options=_SAME_EVERY_TIME)
 def _decompose(images: Array, scales: int, orientations: int, periodic: bool) -> SteerablePyramid:
     """Pyramids of [channel, region, row, col], seen where the images are."""
     if not periodic:
