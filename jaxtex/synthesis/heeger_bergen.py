@@ -23,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
+from jaxtex.core.compiling import SAME_EVERY_TIME
 from jaxtex.core.histograms import match_histogram, quantile_table, table_variance
 from jaxtex.core.pyramids import (
     Shape,
@@ -41,10 +42,6 @@ _STEADIEST = 2**-0.25
 _HIGHPASS = 0.81
 
 _VIEWS = 3
-
-# On the CPU, how a Fourier transform is shared out among threads depends on what else is being run, and its last bits
-# on how it is shared out. On one thread it is not slower here.
-_SAME_EVERY_TIME = {"xla_cpu_multi_thread_eigen": False}
 
 
 class TextureStatistics(eqx.Module):
@@ -198,7 +195,7 @@ def _synthesise(statistics: TextureStatistics, key: Array, iterations: Array, sh
     return jnp.moveaxis(jnp.tensordot(statistics.axes.T, channels, axes=1), 0, -1) + statistics.mean[None, None]
 
 
-_synthesise_alone = jax.jit(_synthesise, static_argnums=(3, 4), compiler_options=_SAME_EVERY_TIME)
+_synthesise_alone = jax.jit(_synthesise, static_argnums=(3, 4), compiler_options=SAME_EVERY_TIME)
 
 
 def _match_sub_bands(filters: SteerableFilters, image: Array, tables: SteerablePyramid) -> Array:
@@ -236,7 +233,7 @@ def colour_views(channels: int) -> npt.NDArray[np.float32]:
     return np.linalg.qr(noise)[0].astype(np.float32)
 
 
-@partial(jax.jit, static_argnums=(1, 2, 3), compiler_options=_SAME_EVERY_TIME)
+@partial(jax.jit, static_argnums=(1, 2, 3), compiler_options=SAME_EVERY_TIME)
 def _decompose(images: Array, scales: int, orientations: int, periodic: bool) -> SteerablePyramid:
     """Pyramids of [channel, region, row, col], seen where the images are."""
     if not periodic:

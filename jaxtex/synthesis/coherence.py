@@ -1,0 +1,301 @@
+"""Textures by multi-resolution k-coherence search: from coarse to fine, each pixel takes, of the
+few places of the exemplar that its neighbours lead to, the one whose neighbourhood is most like its own.
+
+The candidates are those of M. Ashikhmin ("Synthesizing natural textures", I3D 2001), the continuations of what the
+neighbours are copied from, and places that look like these (X. Tong et al., "Synthesis of bidirectional texture
+functions on arbitrary surfaces", SIGGRAPH 2002). As in S. Lefebvre and H. Hoppe ("Parallel controllable texture
+synthesis", SIGGRAPH 2005), whole squares are compared, at every level, and pixels that lie apart are decided together.
+
+Departures: the coarsest level does not begin with noise but with blocks of the exemplar, evenly spread over it, so that
+things are whole from the beginning and all of the exemplar is used; there every place is searched. What remains to be
+done is to make blocks meet. The texture repeats without a seam.
+"""
+
+import math
+from collections.abc import Iterator
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+from jax import Array, lax
+from scipy.ndimage import distance_transform_cdt
+
+from jaxtex.core.compiling import SAME_EVERY_TIME
+from jaxtex.synthesis.exemplars import (
+    ExemplarLevel,
+    analyse_levels,
+    halve,
+    halve_mask,
+    look_around,
+    neighbourhood_weights,
+)
+from jaxtex.synthesis.neighbourhoods import check_exemplar, check_picture
+from jaxtex.synthesis.sources import Sources, Step, last_of
+
+_COARSEST = 32  # pixels along the shorter side of an exemplar
+_BLOCK = 16  # pixels at the coarsest level
+_PASSES, _COARSE_PASSES = 4, 8
+_SIMILAR = 4  # places of each neighbour, its own continuation among them
+_JUMP = 1.2  # times as far does a place count that continues no neighbour: pieces stay whole
+_APART = 2  # pixels, along either axis, between those that are decided together
+_AT_A_TIME = 2048  # pixels
+_SEARCHED = 1 << 27  # pairs of pixel and place that are all compared, at most
+
+
+def synthesise_coherence(
+    exemplar: npt.ArrayLike,
+    shape: tuple[int, int],
+    *,
+    key: Array,
+    radius: int = 3,
+    guides: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+) -> Sources:
+    """Make a texture from an exemplar. It repeats seamlessly.
+
+    Args:
+        exemplar: floats [row, col, channel], in an encoding whose steps look even, as sRGB's.
+        shape: (rows, columns) of the texture, any.
+        key: random key; another key, another piece of the texture.
+        radius: of the neighbourhoods that are compared, in pixels of each level.
+        guides: of the exemplar, [row, col, channel], and of the texture, [*shape, channel]: places are copied to where
+            their guide is like the texture's. A guide's values weigh as much as colours; multiply both to change that.
+
+    Returns:
+        The source map, int32 [*shape, 2]; see `jaxtex.synthesis.sources`.
+
+    Raises:
+        ValueError: arrays of another form, NaN or infinite values, an exemplar smaller than a neighbourhood.
+
+    Examples:
+        >>> grain = np.random.default_rng(0).random((40, 40, 3))
+        >>> synthesise_coherence(grain, (50, 75), key=jax.random.key(0)).shape
+        (50, 75, 2)
+    """
+    return last_of(coherence_steps(exemplar, shape, key=key, radius=radius, guides=guides))
+
+
+def coherence_steps(
+    exemplar: npt.ArrayLike,
+    shape: tuple[int, int],
+    *,
+    key: Array,
+    radius: int = 3,
+    guides: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+) -> Iterator[Step]:
+    """The same step by step, with the source map so far, from coarse to fine."""
+    pixels = check_exemplar(exemplar, radius)
+    if min(shape) < 1:
+        raise ValueError(f"a texture of {shape[1]} x {shape[0]} pixels has none; give at least 1 x 1")
+    guide = np.zeros((*shape, 0), np.float32)
+    if guides is not None:
+        ours, guide = (check_picture(each, "guide") for each in guides)
+        if ours.shape[:2] != pixels.shape[:2] or guide.shape[:2] != tuple(shape) or ours.shape[2] != guide.shape[2]:
+            raise ValueError(
+                f"guides of shapes {ours.shape} and {guide.shape}: give one of the exemplar's size and one of the "
+                f"texture's, {pixels.shape[:2]} and {tuple(shape)}, with as many channels"
+            )
+        pixels = np.concatenate([pixels, ours], axis=2)
+    levels = analyse_levels(pixels, np.ones(pixels.shape[:2], bool), radius=radius, coarsest=_COARSEST)
+    return _refine(levels, guide, np.zeros(shape, bool), key=key, radius=radius, wrap=True)
+
+
+def inpaint_coherence(picture: npt.ArrayLike, hole: npt.ArrayLike, *, key: Array, radius: int = 3) -> Sources:
+    """Fill a hole of a picture with what is around it.
+
+    Args:
+        picture: floats [row, col, channel]; what it holds in the hole does not matter.
+        hole: bool [row, col].
+        key, radius: as in `synthesise_coherence`.
+
+    Returns:
+        The source map, int32 [row, col, 2]: outside of the hole each pixel is its own source.
+
+    Raises:
+        ValueError: as `synthesise_coherence`; no neighbourhood is free of the hole.
+
+    Examples:
+        >>> stripes = np.tile(np.float32([0, 0, 1, 1]), (40, 10))[..., None]
+        >>> hole = np.zeros((40, 40), bool)
+        >>> hole[15:25, 15:25] = True
+        >>> sources = inpaint_coherence(np.where(hole[..., None], 0.5, stripes), hole, key=jax.random.key(0))
+        >>> bool((stripes[sources[..., 0], sources[..., 1]] == stripes).all())
+        True
+    """
+    return last_of(inpaint_steps(picture, hole, key=key, radius=radius))
+
+
+def inpaint_steps(picture: npt.ArrayLike, hole: npt.ArrayLike, *, key: Array, radius: int = 3) -> Iterator[Step]:
+    """The same step by step, with the source map so far."""
+    pixels = check_exemplar(picture, radius)
+    known = ~np.asarray(hole, bool)
+    if known.shape != pixels.shape[:2]:
+        raise ValueError(f"hole of shape {known.shape}: give the picture's, {pixels.shape[:2]}")
+    levels = analyse_levels(pixels, known, radius=radius, coarsest=_COARSEST)
+    return _refine(levels, np.zeros((*known.shape, 0), np.float32), known, key=key, radius=radius, wrap=False)
+
+
+def _refine(
+    levels: list[ExemplarLevel],
+    guide: npt.NDArray[np.float32],
+    kept: npt.NDArray[np.bool_],
+    *,
+    key: Array,
+    radius: int,
+    wrap: bool,
+) -> Iterator[Step]:
+    """From coarse to fine; `kept` pixels [row, col] are their own sources."""
+    givens = [(guide, kept)]
+    for _ in levels[1:]:
+        guide, kept = givens[-1]
+        givens.append((halve(guide, np.ones_like(kept)), halve_mask(kept)))
+    total, done = _COARSE_PASSES + _PASSES * (len(levels) - 1), 0
+    guide, kept = givens[-1]
+    places = _grow_inwards(levels[-1], kept, radius) if kept.any() else _lay_blocks(levels[-1], kept.shape, key)
+    for number in reversed(range(len(levels))):
+        level, (guide, kept) = levels[number], givens[number]
+        first = number == len(levels) - 1
+        if not first:
+            places = _double(places, levels[number + 1], level, kept.shape)
+        if kept.any():
+            places = np.where(kept, np.arange(kept.size).reshape(kept.shape), places)
+        every = first and level.valid.size * places.size <= _SEARCHED
+        for _ in range(_COARSE_PASSES if first else _PASSES):
+            places = _correct(level, places, guide, kept, radius, wrap, every)
+            done += 1
+            yield Step(done, total, _magnify(places, level, levels[0], givens[0][1].shape, number))
+
+
+def _lay_blocks(level: ExemplarLevel, shape: tuple[int, int], key: Array) -> npt.NDArray[np.int32]:
+    """Blocks of the exemplar, from places that are evenly spread over it; as places [row, col]."""
+    rows, columns = level.valid.shape
+    side = min(_BLOCK, rows, columns)
+    down, right = (max(1, round(each / side)) for each in shape)
+    strata = math.ceil(math.sqrt(down * right))
+    cells = jax.random.permutation(jax.random.fold_in(key, 0), strata**2)[: down * right]
+    jitter = np.asarray(jax.random.uniform(jax.random.fold_in(key, 1), (down * right, 2)))
+    start = (np.stack([cells // strata, cells % strata], axis=1) + jitter) / strata * [rows - side, columns - side]
+    row, column = np.indices(shape)
+    block = row * down // shape[0] * right + column * right // shape[1]
+    inner_row, inner_column = row % -(-shape[0] // down), column % -(-shape[1] // right)
+    corner = start.astype(int)[block]
+    place_row = np.minimum(corner[..., 0] + inner_row, rows - 1)
+    place_column = np.minimum(corner[..., 1] + inner_column, columns - 1)
+    return level.nearest_valid[place_row * columns + place_column]
+
+
+def _grow_inwards(level: ExemplarLevel, kept: npt.NDArray[np.bool_], radius: int) -> npt.NDArray[np.int32]:
+    """A hole filled ring by ring, each pixel from where the exemplar is most like what is known around it."""
+    places = np.arange(kept.size, dtype=np.int32).reshape(kept.shape)
+    picture, known = level.pixels * kept[..., None], kept.astype(np.float32)[..., None]
+    choices = np.flatnonzero(level.valid)
+    weights = np.square(neighbourhood_weights(radius))[:, None]
+    seen = look_around(level.pixels, radius)[choices]
+    values, squares = seen.reshape(len(choices), -1), np.square(seen).sum(axis=2)
+    ring = distance_transform_cdt(~kept, metric="chessboard")
+    for number in range(1, int(ring.max()) + 1):
+        pixels = np.flatnonzero(ring == number)
+        mask = look_around(known, radius)[pixels] * weights
+        given = (look_around(picture, radius)[pixels] * mask).reshape(len(pixels), -1)
+        found = choices[np.argmin(mask[..., 0] @ squares.T - 2 * given @ values.T, axis=1)]
+        places.ravel()[pixels] = found
+        picture.reshape(-1, picture.shape[2])[pixels] = level.pixels.reshape(-1, picture.shape[2])[found]
+        known.ravel()[pixels] = 1
+    return places
+
+
+def _double(
+    places: npt.NDArray[np.int32], coarse: ExemplarLevel, fine: ExemplarLevel, shape: tuple[int, int]
+) -> npt.NDArray[np.int32]:
+    """Places of the next finer level: below those of the coarser one."""
+    row, column = np.indices(shape)
+    above = places[row // 2, column // 2]
+    rows, columns = fine.valid.shape
+    down = np.minimum(2 * (above // coarse.valid.shape[1]) + row % 2, rows - 1)
+    right = np.minimum(2 * (above % coarse.valid.shape[1]) + column % 2, columns - 1)
+    return fine.nearest_valid[down * columns + right]
+
+
+def _magnify(
+    places: npt.NDArray[np.int32], level: ExemplarLevel, finest: ExemplarLevel, shape: tuple[int, int], octaves: int
+) -> Sources:
+    """The source map at full resolution that goes with places of a level."""
+    row, column = np.indices(shape)
+    times = 2**octaves
+    above = places[row // times, column // times]
+    down = times * (above // level.valid.shape[1]) + row % times
+    right = times * (above % level.valid.shape[1]) + column % times
+    limits = np.array(finest.valid.shape) - 1
+    return np.minimum(np.stack([down, right], axis=-1), limits).astype(np.int32)
+
+
+def _correct(
+    level: ExemplarLevel,
+    places: npt.NDArray[np.int32],
+    guide: npt.NDArray[np.float32],
+    kept: npt.NDArray[np.bool_],
+    radius: int,
+    wrap: bool,
+    every: bool,
+) -> npt.NDArray[np.int32]:
+    """Decide all pixels anew, once."""
+    arrays = (level.pixels, level.valid, level.basis, level.features, level.similar[:, :_SIMILAR])
+    return np.asarray(_decide(*arrays, places, guide, kept, radius, wrap, every))
+
+
+@partial(jax.jit, static_argnums=(8, 9, 10), compiler_options=SAME_EVERY_TIME)
+def _decide(
+    pixels: Array,
+    valid: Array,
+    basis: Array,
+    features: Array,
+    similar: Array,
+    places: Array,
+    guide: Array,
+    kept: Array,
+    radius: int,
+    wrap: bool,
+    every: bool,
+) -> Array:
+    rows, columns = valid.shape
+    side, mode = 2 * radius + 1, "wrap" if wrap else "edge"
+    weights = jnp.asarray(neighbourhood_weights(radius))[:, None]
+    colours = pixels.shape[2] - guide.shape[2]
+    jump = jnp.where(jnp.arange(similar.shape[1]) > 0, _JUMP, 1.0)
+    length = jnp.where(valid.ravel(), jnp.sum(features**2, axis=1), jnp.inf)
+    steps = jnp.arange(-1, 2)
+    lattice = tuple(-(-each // _APART) for each in places.shape)
+
+    def among_all(feature: Array) -> Array:
+        return jnp.argmin(length - 2 * (features @ feature))
+
+    def among_few(feature: Array, around: Array) -> Array:
+        options = similar[around]  # [row, col, similar]
+        row = options // columns - steps[:, None, None]
+        column = options % columns - steps[None, :, None]
+        inside = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
+        options = jnp.where(inside, row * columns + column, 0)
+        distance = jnp.sum((features[options] - feature[None, None, None]) ** 2, axis=-1) * jump[None, None]
+        distance = jnp.where(inside & valid.ravel()[options], distance, jnp.inf)
+        return options.ravel()[jnp.argmin(distance)]
+
+    def visit(places: Array, offset: Array) -> tuple[Array, None]:
+        seen = jnp.concatenate([pixels.reshape(-1, pixels.shape[2])[places][..., :colours], guide], axis=2)
+        seen = jnp.pad(seen, [(radius, radius), (radius, radius), (0, 0)], mode=mode)
+        around = jnp.pad(places, 1, mode=mode)
+        row = jnp.minimum(offset[0] + _APART * jnp.arange(lattice[0]), places.shape[0] - 1)
+        column = jnp.minimum(offset[1] + _APART * jnp.arange(lattice[1]), places.shape[1] - 1)
+
+        def decide(index: Array) -> Array:
+            at = row[index // lattice[1]], column[index % lattice[1]]
+            window = lax.dynamic_slice(seen, (*at, jnp.zeros_like(at[0])), (side, side, seen.shape[2]))
+            feature = (window.reshape(side * side, -1) * weights).ravel() @ basis
+            return among_all(feature) if every else among_few(feature, lax.dynamic_slice(around, at, (3, 3)))
+
+        found = lax.map(decide, jnp.arange(math.prod(lattice)), batch_size=_AT_A_TIME).reshape(lattice)
+        moved = places.at[row[:, None], column[None, :]].set(found.astype(places.dtype))
+        return jnp.where(kept, places, moved), None
+
+    offsets = jnp.array([(0, 0), (1, 1), (0, 1), (1, 0)])
+    return lax.scan(visit, places, offsets)[0]
