@@ -1,9 +1,8 @@
-"""Textures grown pixel by pixel: A. A. Efros and T. K. Leung, "Texture synthesis by non-parametric sampling", ICCV
-1999.
+"""Textures pixel by pixel: A. A. Efros and T. K. Leung, "Texture synthesis by non-parametric sampling", ICCV 1999.
 
 Each pixel is drawn from among those of the exemplar whose surroundings are most like what is known of its own. That
-makes a texture from a seed, and fills the holes of a picture from their borders inwards. Structures about as large as
-the neighbourhood are continued well; with much smaller ones it grows garbage or copies one place over and over.
+makes a texture from a seed, and fills the holes of a picture from their borders inwards. Structures up to about the
+neighbourhood's size are continued well; larger ones fall apart, or one place is copied over and over.
 
 Departures from the paper: there is no threshold on how unlike the best may be, so every pixel finds one; pixels of one
 layer come in the order of a fixed pattern, in which those drawn one after another do not see each other and are
@@ -22,7 +21,9 @@ import numpy.typing as npt
 from jax import Array
 from scipy.ndimage import distance_transform_cdt
 
-SourceMap = npt.NDArray[np.int32]
+from jaxtex.synthesis.neighbourhoods import check_picture, check_shape
+from jaxtex.synthesis.sources import Sources, Step, last_of
+
 Mask = npt.NDArray[np.bool_]
 
 _EXACT = 2**24  # integers up to here are floats of single precision, and so are their sums
@@ -76,12 +77,13 @@ def synthesise_efros_leung(
     picture: npt.ArrayLike | None = None,
     known: npt.ArrayLike | None = None,
     usable: npt.ArrayLike | None = None,
-) -> SourceMap:
+) -> Sources:
     """Grow a texture from a seed, or into the holes of a picture.
 
     The search is exhaustive: about 3 (channels + 1) radius^2 multiplications for each pixel and each place of the
     exemplar, done as matrix products. From 128^2 to 256^2 pixels with 11 x 11 neighbourhoods, those are 3 * 10^11, and
-    some seconds. The exemplar's neighbourhoods are kept in memory, 10 (channels + 1) radius^2 bytes for each place.
+    ten seconds or so on one core. The exemplar's neighbourhoods are kept in memory, 10 (channels + 1) radius^2 bytes
+    for each place.
 
     Args:
         exemplar: floats [row, col, channel], 0 to 1 (what lies beyond is clipped), in an encoding whose steps look
@@ -112,20 +114,21 @@ def synthesise_efros_leung(
         >>> np.unique(sources[:, :3, 1] % 3, axis=0).shape
         (1, 3)
     """
-    *_, (_, _, sources) = iterate_efros_leung(
-        exemplar,
-        shape,
-        key=key,
-        radius=radius,
-        tolerance=tolerance,
-        picture=picture,
-        known=known,
-        usable=usable,
+    return last_of(
+        efros_leung_steps(
+            exemplar,
+            shape,
+            key=key,
+            radius=radius,
+            tolerance=tolerance,
+            picture=picture,
+            known=known,
+            usable=usable,
+        )
     )
-    return sources
 
 
-def iterate_efros_leung(
+def efros_leung_steps(
     exemplar: npt.ArrayLike,
     shape: tuple[int, int],
     *,
@@ -135,12 +138,10 @@ def iterate_efros_leung(
     picture: npt.ArrayLike | None = None,
     known: npt.ArrayLike | None = None,
     usable: npt.ArrayLike | None = None,
-) -> Iterator[tuple[int, int, SourceMap]]:
-    """`synthesise_efros_leung`, some pixels at a time.
+) -> Iterator[Step]:
+    """`synthesise_efros_leung`, some pixels at a time: they are what steps count.
 
-    Returns:
-        Now and then: how many pixels are done, of how many, and the source map so far, which is -1 where a pixel is
-        known or not yet grown.
+    The source maps are -1 where a pixel is known or not yet grown.
 
     Raises:
         ValueError: as `synthesise_efros_leung` does, at once.
@@ -149,8 +150,7 @@ def iterate_efros_leung(
         raise ValueError(f"radius {radius}: give 1 or more")
     if not tolerance >= 0:
         raise ValueError(f"tolerance {tolerance}: give 0 or more")
-    if min(shape) < 1:
-        raise ValueError(f"shape {tuple(shape)}: give at least 1 row and column")
+    shape = check_shape(shape)
     pixels, allowed = _check_pair("exemplar", exemplar, "usable", usable)
     if (picture is None) != (known is None):
         raise ValueError("picture and known go together: give both or neither")
@@ -175,17 +175,14 @@ def _check_pair(
 ) -> tuple[npt.NDArray[np.float32], Mask]:
     """A picture, black where a mask leaves it out, and the mask."""
     pixels = np.asarray(picture, np.float32)
-    if pixels.ndim != 3 or 0 in pixels.shape:
-        raise ValueError(f"{name} of shape {pixels.shape}: give [row, col, channel], none of them empty")
     within = np.ones(pixels.shape[:2], bool) if mask is None else np.asarray(mask)
     if within.shape != pixels.shape[:2] or within.dtype != np.bool_:
         raise ValueError(
             f"{mask_name} of shape {within.shape}, {within.dtype}: give bool {pixels.shape[:2]}, the {name}'s size"
         )
-    pixels = np.where(within[..., None], pixels, 0)
-    if not np.isfinite(pixels).all():
-        raise ValueError(f"{name}: some values are NaN or infinite")
-    return pixels, within
+    if pixels.ndim == 3:
+        pixels = np.where(within[..., None], pixels, 0)
+    return check_picture(pixels, name), within
 
 
 def _whole_neighbourhoods(usable: Mask, radius: int) -> npt.NDArray[np.int32]:
@@ -247,7 +244,7 @@ def _grow(
     key: Array,
     radius: int,
     tolerance: float,
-) -> Iterator[tuple[int, int, SourceMap]]:
+) -> Iterator[Step]:
     sources = np.full((*known.shape, 2), -1, np.int32)
     if not known.any():
         place = search.places[jax.random.randint(jax.random.fold_in(key, known.size), (), 0, len(search.places))]
@@ -259,14 +256,14 @@ def _grow(
     growth = _Growth(jnp.asarray(canvas), jnp.asarray(sources))
     turns = schedule_pixels(known, radius)
     done, of = 0, known.size - int(known.sum())
-    yield done, of, sources
+    yield Step(done, of, sources)
     for first in range(0, len(turns), _STEPS):
         block = turns[first : first + _STEPS]
         steps = len(block)
         block = np.pad(block, [(0, _STEPS - steps), (0, 0), (0, 0)], constant_values=_NOWHERE)
         growth = _grow_block(search, growth, block, np.int32(steps), key, np.float32(tolerance))
         done += int(np.sum(block[..., 0] < _NOWHERE))
-        yield done, of, np.asarray(growth.sources)
+        yield Step(done, of, np.asarray(growth.sources))
 
 
 def _plant(shape: tuple[int, ...], place: npt.NDArray[np.int32]) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:

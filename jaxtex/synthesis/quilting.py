@@ -20,9 +20,12 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
-SourceMap = npt.NDArray[np.int32]
+from jaxtex.synthesis.neighbourhoods import check_picture, check_shape, quantise
+from jaxtex.synthesis.sources import Sources, Step, last_of
 
-_MOST = 2**31 - 1  # of sums of squares, in int32
+# Numbers of a block, at most: sums of their squared differences are below 2^31, and rounding errors of correlations,
+# which were at most 0.4 for noise of black and white, below a half.
+_LARGEST = 2**15
 
 
 class _Exemplar(eqx.Module):
@@ -59,7 +62,7 @@ def synthesise_quilting(
     overlap: int | None = None,
     tolerance: float = 0.1,
     tileable: bool = False,
-) -> SourceMap:
+) -> Sources:
     """Make a texture of blocks of an exemplar.
 
     Args:
@@ -67,8 +70,8 @@ def synthesise_quilting(
             even. Any number of channels.
         shape: (rows, columns) of the texture, any.
         key: random key; another key, another piece of the same texture.
-        block: side of a block in pixels: larger than the texture's largest features. As it is not said, a quarter of
-            the exemplar's smaller side.
+        block: side of a block in pixels: larger than the texture's largest features, and at most 104 of 3 channels,
+            (2^15 / channels)^1/2 in general. As it is not said, a quarter of the exemplar's smaller side.
         overlap: of neighbouring blocks, in pixels, at most half a block. As it is not said, a sixth of a block.
         tolerance: blocks are drawn from among those whose squared difference from what they overlap is at most
             1 + tolerance times the least.
@@ -80,8 +83,8 @@ def synthesise_quilting(
 
     Raises:
         ValueError: an exemplar of another form, of fewer than 2 x 2 pixels, or with NaN or infinite values; an empty
-            shape, or a tileable one of one row or column; a block that does not fit the exemplar; an overlap of no
-            pixel or of more than half a block; a negative tolerance.
+            shape, or a tileable one of one row or column; a block larger than the exemplar or than said; an overlap
+            of no pixel or of more than half a block; a negative tolerance.
 
     Examples:
         >>> exemplar = np.random.default_rng(0).random((32, 32, 3))
@@ -89,13 +92,12 @@ def synthesise_quilting(
         >>> sources.shape
         (40, 60, 2)
     """
-    *_, (_, _, sources) = iterate_quilting(
-        exemplar, shape, key=key, block=block, overlap=overlap, tolerance=tolerance, tileable=tileable
+    return last_of(
+        quilting_steps(exemplar, shape, key=key, block=block, overlap=overlap, tolerance=tolerance, tileable=tileable)
     )
-    return sources
 
 
-def iterate_quilting(
+def quilting_steps(
     exemplar: npt.ArrayLike,
     shape: tuple[int, int],
     *,
@@ -104,39 +106,28 @@ def iterate_quilting(
     overlap: int | None = None,
     tolerance: float = 0.1,
     tileable: bool = False,
-) -> Iterator[tuple[int, int, SourceMap]]:
-    """`synthesise_quilting`, row of blocks by row of blocks.
-
-    Returns:
-        After each row of blocks: how many are done, of how many, and the source map so far, which is -1 where nothing
-        lies yet.
+) -> Iterator[Step]:
+    """`synthesise_quilting`, row of blocks by row of blocks. The source maps are -1 where nothing lies yet.
 
     Raises:
         ValueError: as `synthesise_quilting` does, at once.
     """
-    pixels = _check_exemplar(exemplar)
-    if min(shape) < (2 if tileable else 1):
-        raise ValueError(f"shape {tuple(shape)}: give at least 1 row and column, 2 of each if tileable")
+    pixels, shape = check_picture(exemplar, "exemplar"), check_shape(shape)
+    if min(pixels.shape[:2]) < 2:
+        raise ValueError(f"exemplar of {pixels.shape[1]} x {pixels.shape[0]} pixels: give at least 2 x 2")
+    if tileable and min(shape) < 2:
+        raise ValueError(f"shape: {shape} cannot be tileable; give at least 2 rows and columns")
     if not tolerance >= 0:
         raise ValueError(f"tolerance {tolerance}: give 0 or more")
-    side = min(pixels.shape[:2])
-    block = max(2, side // 4) if block is None else block
+    side = min(*pixels.shape[:2], math.isqrt(_LARGEST // pixels.shape[2]))
+    block = min(side, max(2, min(pixels.shape[:2]) // 4)) if block is None else block
     overlap = max(1, block // 6) if overlap is None else overlap
     if not 2 <= block <= side:
-        raise ValueError(f"block of {block} pixels: give 2 to {side}, the exemplar's smaller side")
+        raise ValueError(f"block of {block} pixels: give 2 to {side}, of this exemplar")
     if not 1 <= overlap <= block // 2:
         raise ValueError(f"overlap of {overlap} pixels: give 1 to {block // 2}, half a block")
     layout = _lay_out(shape, block, overlap, tileable)
     return _quilt(pixels, shape, layout, key, tolerance, tileable)
-
-
-def _check_exemplar(exemplar: npt.ArrayLike) -> npt.NDArray[np.float32]:
-    pixels = np.asarray(exemplar, np.float32)
-    if pixels.ndim != 3 or min(pixels.shape) < 1 or min(pixels.shape[:2]) < 2:
-        raise ValueError(f"exemplar of shape {pixels.shape}: give [row, col, channel] of at least 2 x 2 pixels")
-    if not np.isfinite(pixels).all():
-        raise ValueError("exemplar: some values are NaN or infinite")
-    return pixels
 
 
 def _lay_out(shape: tuple[int, int], block: int, overlap: int, tileable: bool) -> _Layout:
@@ -160,8 +151,8 @@ def _quilt(
     key: Array,
     tolerance: float,
     tileable: bool,
-) -> Iterator[tuple[int, int, SourceMap]]:
-    exemplar = _prepare(jnp.asarray(_quantise(pixels, layout.block)), layout.block)
+) -> Iterator[Step]:
+    exemplar = _prepare(jnp.asarray(quantise(pixels).astype(np.int32) - 128), layout.block)
     sources = jnp.full((*layout.covered, 2), -1, jnp.int32)
     columns = np.arange(len(layout.lefts))
     last = len(layout.tops) - 1
@@ -174,13 +165,7 @@ def _quilt(
         sources = _lay_row(
             exemplar, sources, corners, sides, keys, np.float32(tolerance), block=layout.block, overlap=layout.overlap
         )
-        yield row + 1, last + 1, np.asarray(sources)[: shape[0], : shape[1]]
-
-
-def _quantise(pixels: npt.NDArray[np.float32], block: tuple[int, int]) -> npt.NDArray[np.int32]:
-    """Colours as integers of 8 bits around 0; of fewer where sums of squares over a block would be too large."""
-    steps = min(255, math.isqrt(_MOST // (math.prod(block) * pixels.shape[2])))
-    return np.rint(np.clip(pixels, 0, 1) * steps).astype(np.int32) - (steps + 1) // 2
+        yield Step(row + 1, last + 1, np.asarray(sources)[: shape[0], : shape[1]])
 
 
 @partial(jax.jit, static_argnames="block")

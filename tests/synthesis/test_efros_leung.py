@@ -6,7 +6,7 @@ import jax
 import numpy as np
 import pytest
 
-from jaxtex.synthesis.efros_leung import iterate_efros_leung, schedule_pixels, synthesise_efros_leung
+from jaxtex.synthesis.efros_leung import efros_leung_steps, schedule_pixels, synthesise_efros_leung
 
 KEY = jax.random.key(5)
 
@@ -171,7 +171,7 @@ def test_any_size(shape: tuple[int, int]) -> None:
 
 
 def test_pixels_come_a_few_at_a_time() -> None:
-    steps = list(iterate_efros_leung(noise(12, 12, 1), (30, 25), key=KEY, radius=2))
+    steps = list(efros_leung_steps(noise(12, 12, 1), (30, 25), key=KEY, radius=2))
     assert steps[0][:2] == (0, 741)
     assert steps[-1][:2] == (741, 741)
     assert len(steps) > 2
@@ -191,7 +191,7 @@ PIXELS, MASK = noise(9, 9, 3), np.ones((9, 9), bool)
         ({"exemplar": noise(9, 9)}, "exemplar of shape"),
         ({"exemplar": np.full((9, 9, 1), np.inf)}, "exemplar: some values are NaN or infinite"),
         ({"exemplar": noise(9, 4, 3)}, "exemplar of 4 x 9 pixels: give at least 5 x 5"),
-        ({"shape": (5, 0)}, "at least 1 row and column"),
+        ({"shape": (5, 0)}, "each at least 1"),
         ({"radius": 0}, "radius 0: give 1 or more"),
         ({"tolerance": float("nan")}, "tolerance nan: give 0 or more"),
         ({"usable": np.ones((9, 8), bool)}, "usable of shape"),
@@ -207,4 +207,4 @@ PIXELS, MASK = noise(9, 9, 3), np.ones((9, 9), bool)
 )
 def test_what_cannot_be_grown(options: dict[str, Any], told: str) -> None:
     with pytest.raises(ValueError, match=told):
-        iterate_efros_leung(**{"exemplar": PIXELS, "shape": (9, 9), "key": KEY, "radius": 2, **options})
+        efros_leung_steps(**{"exemplar": PIXELS, "shape": (9, 9), "key": KEY, "radius": 2, **options})
