@@ -13,67 +13,41 @@ out. Outputs that repeat are made by a causal pass that ends at the borders, and
 paper lets the first pass look around the border, which no wavefront can follow exactly.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
-from jax import Array, lax
+from jax import Array
 
+from jaxtex.synthesis.coherent import Exemplar, Target, first_pass, later_pass
 from jaxtex.synthesis.neighbourhoods import (
-    FARTHEST,
     Shape,
-    causal_taps,
     check_exemplar,
     check_picture,
     check_shape,
-    choose_place,
-    draw_bits,
-    draw_place,
-    measure_places,
-    mix_bits,
     pack_colours,
     pass_seed,
-    pixel_bits,
     quantise,
-    square_offsets,
 )
-from jaxtex.synthesis.wavefront import Canvas, Wavefronts
 
 
-class _Exemplar(eqx.Module):
-    """Attributes:
-    colours: one word after another, each [place].
-    similar: the places that each place brings as candidates, itself first, [candidate, place].
-    kept: draws above this make a candidate of the row give way to a random one, uint32 [row]; absent, none do.
-    """
+class _Part(NamedTuple):
+    """A part of the output: (row, col) where it begins, and (rows, columns). Beyond the border, it goes on at the
+    opposite one."""
 
-    colours: tuple[Array, ...]
-    similar: Array | None
-    kept: Array | None
-    shape: Shape = eqx.field(static=True)
-    radius: int = eqx.field(static=True)
-
-
-class _Target(eqx.Module):
-    """Attributes:
-    colours: one word after another, each [row, col].
-    painted: boolean [row, col].
-    """
-
-    colours: tuple[Array, ...]
-    painted: Array
+    corner: Shape
+    size: Shape
 
 
 class _Plan(NamedTuple):
     """What all passes of one synthesis share."""
 
-    exemplar: _Exemplar
-    target: _Target | None
+    exemplar: Exemplar
+    target: Target | None
     shape: Shape
     tileable: bool
     key: Array
@@ -152,7 +126,7 @@ def ashikhmin_passes(
     pixels, shape = check_exemplar(exemplar, radius), check_shape(shape)
     if passes < 1:
         raise ValueError(f"passes: {passes} are too few; give at least 1")
-    prepared = _Exemplar(
+    prepared = Exemplar(
         colours=tuple(each.reshape(-1) for each in _pack(pixels)),
         similar=_check_similar(similar, pixels.shape[:2], radius),
         kept=_kept_rows(pixels.shape[0], radius) if even_rows else None,
@@ -165,17 +139,51 @@ def ashikhmin_passes(
 
 
 def _passes(plan: _Plan, former: Array | None, passes: int) -> Iterator[Array]:
-    strips = _strips(plan.shape, plan.exemplar.radius) if plan.tileable else []
+    whole = _Part((0, 0), plan.shape)
     for number in range(passes) if former is None else range(1, passes + 1):
-        scans = [((0, 0), plan.shape), *strips]
-        for index, (corner, size) in enumerate(scans):
-            seed = pass_seed(plan.key, number * len(scans) + index)
-            if former is None:
-                former = _first_pass(plan.exemplar, plan.target, seed, plan.shape)
-            else:
-                exemplar, aim = plan.exemplar, plan.target
-                former = _later_pass(exemplar, aim, seed, former, jnp.asarray(corner), size, plan.tileable)
+        key = jax.random.fold_in(plan.key, number)
+        if former is None:
+            former = first_pass(plan.exemplar, plan.target, pass_seed(key, 0), plan.shape)
+            former = _join_borders(plan, former, key) if plan.tileable else former
+        else:
+            former = _go_over(plan, former, whole, pass_seed(key, 0))
         yield _pairs(former, plan.exemplar.shape[1])
+
+
+def _join_borders(plan: _Plan, places: Array, key: Array) -> Array:
+    """Make opposite borders meet: strips along them, and then the corner, are emptied, grown again from what surrounds
+    them, and gone over once more."""
+    for index, (emptied, visited) in enumerate(_strips(plan.shape, plan.exemplar.radius)):
+        places = _empty(places, jnp.asarray(emptied.corner), emptied.size)
+        for turn in range(2):
+            places = _go_over(plan, places, visited, pass_seed(key, 1 + 2 * index + turn))
+    return places
+
+
+def _strips(shape: Shape, radius: int) -> list[tuple[_Part, _Part]]:
+    """What is emptied and what is visited, of the strip across the left and right borders, of that across the lower and
+    upper ones, and of where these two cross.
+
+    The widths are measured: in strips as wide as a neighbourhood, seams stay as they are, for lack of candidates that
+    lead from one side to the other.
+    """
+    grown = [min(8 * radius, side // 4) for side in shape]
+    inside = [(reach, side - 2 * reach) for reach, side in zip(grown, shape, strict=True)]
+    across = [(side - reach, 2 * reach) for reach, side in zip(grown, shape, strict=True)]
+    around = [(side - min(10 * radius, side // 2), min(20 * radius, side)) for side in shape]
+    pairs = [
+        ((inside[0], across[1]), (inside[0], around[1])),
+        ((across[0], inside[1]), (around[0], inside[1])),
+        ((across[0], across[1]), (around[0], around[1])),
+    ]
+    rows = [[_Part((y[0], x[0]), (y[1], x[1])) for y, x in pair] for pair in pairs]
+    return [(emptied, visited) for emptied, visited in rows]
+
+
+@partial(jax.jit, static_argnames="size")
+def _empty(places: Array, corner: Array, size: Shape) -> Array:
+    rolled = jnp.roll(places, -corner, axis=(0, 1))
+    return jnp.roll(rolled.at[: size[0], : size[1]].set(-1), corner, axis=(0, 1))
 
 
 @partial(jax.jit, static_argnums=1)
@@ -183,121 +191,8 @@ def _pairs(places: Array, columns: int) -> Array:
     return jnp.stack(jnp.divmod(places, columns), axis=-1)
 
 
-@partial(jax.jit, static_argnames="shape")
-def _first_pass(exemplar: _Exemplar, target: _Target | None, seed: Array, shape: Shape) -> Array:
-    """Places [row, col] of a pass over nothing."""
-    around = jax.tree.map(lambda picture: jnp.pad(picture, exemplar.radius), target)
-    return _scan(exemplar, None, around, shape, lambda row, column: pixel_bits(seed, row * shape[1] + column))
-
-
-@partial(jax.jit, static_argnames=("size", "tileable"))
-def _later_pass(
-    exemplar: _Exemplar,
-    target: _Target | None,
-    seed: Array,
-    former: Array,
-    corner: Array,
-    size: Shape,
-    tileable: bool,
-) -> Array:
-    """Places [row, col] of a pass over a part of a former result; what surrounds the part stays as it was.
-
-    Args:
-        corner: (row, col) where the part begins. It may go on beyond the border, at the opposite one.
-        size: (rows, columns) of the part.
-    """
-    radius, (rows, columns) = exemplar.radius, former.shape
-    rolled = jnp.roll(former, -corner, axis=(0, 1))
-
-    def surround(picture: Array, **mode: Any) -> Array:
-        whole = jnp.pad(picture, radius, **({"mode": "wrap"} if tileable else mode))
-        return whole[: size[0] + 2 * radius, : size[1] + 2 * radius]
-
-    def bits(row: Array, column: Array) -> Array:
-        return pixel_bits(seed, (row + corner[0]) % rows * columns + (column + corner[1]) % columns)
-
-    aim = jax.tree.map(lambda picture: surround(jnp.roll(picture, -corner, axis=(0, 1))), target)
-    made = _scan(exemplar, surround(rolled, constant_values=-1), aim, size, bits)
-    return jnp.roll(rolled.at[: size[0], : size[1]].set(made), corner, axis=(0, 1))
-
-
-def _scan(
-    exemplar: _Exemplar,
-    former: Array | None,
-    target: _Target | None,
-    shape: Shape,
-    bits: Callable[[Array, Array], Array],
-) -> Array:
-    """One pass over a picture of this shape.
-
-    Args:
-        former: places [row, col] with surroundings of the radius's width, -1 where there is nothing. Without, this is
-            the first pass: only the causal neighbourhood brings candidates.
-        target: with surroundings.
-        bits: the word of a pixel at (row, column).
-
-    Returns:
-        Places [row, col], without surroundings.
-    """
-    radius, causal = exemplar.radius, causal_taps(exemplar.radius)
-    fronts = Wavefronts((shape[0] + 2 * radius, shape[1] + 2 * radius), radius)
-    first, plain = former is None, former is None and target is None
-    offsets = square_offsets(radius)[: causal + 1 if plain else None]
-    aim = jax.tree.map(partial(fronts.skew, empty=0), target)
-    suggesting = slice(causal) if first else slice(None)
-    compared = slice(causal) if plain else slice(None)
-
-    def compute(starts: Array, row: Array, column: Array, state: Canvas) -> Canvas:
-        near = fronts.read(state.places, starts)
-        colours = [fronts.read(each, starts) for each in state.colours]
-        weight, seen = (near >= 0) & (np.arange(len(offsets)) != causal)[:, None], colours
-        if aim is not None:
-            drawn = fronts.read(aim.painted, starts) & (np.arange(len(offsets)) >= causal)[:, None]
-            seen = [jnp.where(drawn, fronts.read(t, starts), c) for t, c in zip(aim.colours, colours, strict=True)]
-            weight = weight | drawn
-        word = bits(row, column)
-        known = near[suggesting]
-        places = _suggest(exemplar, known, offsets[suggesting], word, first)
-        distance = measure_places(
-            exemplar.colours,
-            places.reshape(-1, fronts.lanes),
-            offsets[compared] @ np.array([exemplar.shape[1], 1], np.int32),
-            [each[compared] for each in seen],
-            weight[compared],
-        ).reshape(places.shape)
-        distance = jnp.where((known >= 0)[None], distance, FARTHEST)
-        best = choose_place(places.reshape(-1, fronts.lanes), distance.reshape(-1, fronts.lanes))
-        best = jnp.where(jnp.any(known >= 0, axis=0), best, draw_place(draw_bits(word, 0), exemplar.shape, radius))
-        return state.write(starts[causal], jnp.where(row >= 0, best, near[causal]), exemplar.colours)
-
-    return fronts.unskew(fronts.run(compute, Canvas.begin(fronts, former, exemplar.colours), offsets).places)
-
-
-def _suggest(exemplar: _Exemplar, known: Array, offsets: npt.NDArray[np.int32], word: Array, first: bool) -> Array:
-    """The candidates that neighbours bring, [candidate, tap, lane].
-
-    Args:
-        known: places of the neighbours [tap, lane]; where there is none, any candidates will do.
-        offsets: of the neighbours.
-        word: of each lane.
-    """
-    radius, (rows, columns) = exemplar.radius, exemplar.shape
-    bits = draw_bits(word[None], np.arange(1, len(offsets) + 1, dtype=np.uint32)[:, None])
-    row = lax.div(known, np.int32(columns)) - offsets[:, :1]
-    column = lax.rem(known, np.int32(columns)) - offsets[:, 1:]
-    stays = (row >= radius) & (row < rows - radius) & (column >= radius) & (column < columns - radius)
-    if first and exemplar.kept is not None:
-        stays &= mix_bits(~bits) <= exemplar.kept.at[row].get(mode="clip")
-    places = jnp.where(stays, row * columns + column, draw_place(bits, exemplar.shape, radius))
-    if exemplar.similar is None:
-        return places[None]
-    return jax.vmap(lambda table: table.at[places].get(mode="promise_in_bounds"))(exemplar.similar)
-
-
-def _strips(shape: Shape, radius: int) -> list[tuple[Shape, Shape]]:
-    """Corners and sizes of the strips along the borders that join opposite ones."""
-    height, width = (min(2 * radius, side) for side in shape)
-    return [((0, shape[1] - width // 2), (shape[0], width)), ((shape[0] - height // 2, 0), (height, shape[1]))]
+def _go_over(plan: _Plan, former: Array, part: _Part, seed: Array) -> Array:
+    return later_pass(plan.exemplar, plan.target, seed, former, jnp.asarray(part.corner), part.size, plan.tileable)
 
 
 def _pack(pixels: npt.NDArray[np.float32]) -> tuple[Array, ...]:
@@ -313,7 +208,7 @@ def _kept_rows(rows: int, radius: int) -> Array:
 
 def _check_target(
     target: npt.ArrayLike | None, painted: npt.ArrayLike | None, wanted: tuple[int, int, int]
-) -> _Target | None:
+) -> Target | None:
     if target is None:
         if painted is not None:
             raise ValueError("painted: there is no target that it could be the mask of; give both")
@@ -326,7 +221,7 @@ def _check_target(
     mask = np.ones(wanted[:2], bool) if painted is None else np.asarray(painted)
     if mask.shape != wanted[:2] or mask.dtype != bool:
         raise ValueError(f"painted of shape {mask.shape} and type {mask.dtype}: give booleans of shape {wanted[:2]}")
-    return _Target(_pack(pixels), jnp.asarray(mask))
+    return Target(_pack(pixels), jnp.asarray(mask))
 
 
 def _check_places(places: npt.ArrayLike, name: str, shape: Shape, radius: int) -> npt.NDArray[np.int32]:
