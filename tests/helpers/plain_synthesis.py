@@ -7,6 +7,7 @@ import jax
 import numpy as np
 
 from jaxtex.synthesis.neighbourhoods import pass_seed
+from jaxtex.synthesis.wei_levoy import coarsening, halve
 
 Place = tuple[int, int]
 
@@ -22,6 +23,11 @@ def mix(word: int) -> int:
 
 def draw(word: int, number: int) -> int:
     return mix(word + 0x9E3779B9 * number)
+
+
+def draw_place(bits: int, shape: tuple[int, int], radius: int) -> Place:
+    rows, columns = (side - 2 * radius for side in shape)
+    return radius + ((bits >> 16) * rows >> 16), radius + ((bits & 0xFFFF) * columns >> 16)
 
 
 class PlainAshikhmin:
@@ -151,5 +157,41 @@ class PlainAshikhmin:
         return bits > int((distance ** (1 / distance) if distance > 0 else 0.0) * WORD)
 
     def random_place(self, bits: int) -> Place:
-        rows, columns = (side - 2 * self.radius for side in self.levels.shape[:2])
-        return self.radius + ((bits >> 16) * rows >> 16), self.radius + ((bits & 0xFFFF) * columns >> 16)
+        return draw_place(bits, self.levels.shape[:2], self.radius)
+
+
+def synthesise_plain_wei_levoy(exemplar, shape, *, key, radius, levels) -> np.ndarray:
+    """Wei and Levoy's synthesis with exhaustive search; arguments as of `synthesise_wei_levoy`."""
+    pyramid, sizes = [np.asarray(exemplar, np.float32)], [shape]
+    for _ in range(levels - 1):
+        pyramid.append(halve(pyramid[-1]))
+        sizes.append(tuple((side + 1) // 2 for side in sizes[-1]))
+    taps = [(0, dy, dx) for dy in range(-radius, 1) for dx in range(-radius, radius + 1) if (dy, dx) < (0, 0)]
+    half = radius // 2
+    above = [(1, dy, dx) for dy in range(-half, half + 1) for dx in range(-half, half + 1)]
+    sources = None
+    for level in reversed(range(levels)):
+        all_taps = taps if sources is None else taps + above
+        shift = coarsening(len(all_taps) * pyramid[0].shape[2])
+        there = [np.round(np.clip(each, 0, 1) * 255).astype(int) >> shift for each in pyramid[level : level + 2]]
+        parent = {} if sources is None else {at: there[1][source] for at, source in sources.items()}
+        seed = [int(word) for word in np.asarray(pass_seed(key, level))]
+        rows, columns = there[0].shape[:2]
+        valid = [(y, x) for y in range(radius, rows - radius) for x in range(radius, columns - radius)]
+        known, sources = [{}, parent], {}
+        for y in range(sizes[level][0]):
+            for x in range(sizes[level][1]):
+                seen = []
+                for up, dy, dx in all_taps:
+                    at = (y // 2**up + dy, x // 2**up + dx)
+                    if at in known[up]:
+                        seen.append((up, dy, dx, known[up][at]))
+                distances = [
+                    sum(int(((there[up][v // 2**up + dy, u // 2**up + dx] - c) ** 2).sum()) for up, dy, dx, c in seen)
+                    for v, u in valid
+                ]
+                word = mix(seed[0] + mix(seed[1] + y * sizes[level][1] + x))
+                chosen = draw_place(draw(word, 0), (rows, columns), radius)
+                sources[y, x] = valid[int(np.argmin(distances))] if seen else chosen
+                known[0][y, x] = there[0][sources[y, x]]
+    return np.array([sources[y, x] for y in range(shape[0]) for x in range(shape[1])]).reshape(*shape, 2)
