@@ -18,8 +18,7 @@ from jax import Array
 from scipy import ndimage
 
 from jaxtex.synthesis.distances import check_pictures
-
-SourceMap = npt.NDArray[np.int32]
+from jaxtex.synthesis.sources import Sources
 
 _BLOCK = 2048  # windows that are compared with as many others at a time
 
@@ -121,7 +120,7 @@ def measure_pieces(sources: npt.ArrayLike, *, large: int = 64) -> Pieces:
 
 def find_windows(
     exemplar: npt.ArrayLike, texture: npt.ArrayLike, *, window: int = 9, stride: int = 1
-) -> tuple[SourceMap, npt.NDArray[np.float32]]:
+) -> tuple[Sources, npt.NDArray[np.float32]]:
     """Find, for each window of a texture, the exemplar's window that is most like it, by exhaustive search.
 
     Colours are compared as 8-bit numbers; values beyond 0 to 1 are clipped. Differences are exact wherever windows are

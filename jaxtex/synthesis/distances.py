@@ -23,8 +23,7 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
-# As in jaxtex.synthesis.heeger_bergen: on one thread, sums do not depend on what else is being run.
-_SAME_EVERY_TIME = {"xla_cpu_multi_thread_eigen": False}
+from jaxtex.core.compiling import SAME_EVERY_TIME
 
 _BINOMIAL = np.array([1, 4, 6, 4, 1], np.float32) / 16
 
@@ -116,7 +115,7 @@ def check_pictures(
     return first, second
 
 
-@partial(jax.jit, static_argnums=1, compiler_options=_SAME_EVERY_TIME)
+@partial(jax.jit, static_argnums=1, compiler_options=SAME_EVERY_TIME)
 def _laplacian(picture: Array, scales: int) -> list[Array]:
     """What each scale adds to the coarser ones, at its own resolution, and what remains: [row, col, channel] each."""
     levels = []
@@ -156,7 +155,7 @@ def _relative_distance(seen: Array, made: Array, directions: Array) -> float:
     return float(np.sqrt(np.mean(squares) / max(np.mean(variances), _LEAST_CONTRAST**2)))
 
 
-@partial(jax.jit, compiler_options=_SAME_EVERY_TIME)
+@partial(jax.jit, compiler_options=SAME_EVERY_TIME)
 def _project(picture: Array, directions: Array) -> Array:
     """Projections of all patches of [row, col, channel], [projection, patch]."""
     projected = jax.lax.conv_general_dilated(

@@ -24,6 +24,7 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
+from jaxtex.core.compiling import SAME_EVERY_TIME
 from jaxtex.core.pyramids import (
     Shape,
     SteerableFilters,
@@ -33,9 +34,6 @@ from jaxtex.core.pyramids import (
     even_directions,
 )
 from jaxtex.synthesis.distances import check_pictures
-
-# As in jaxtex.synthesis.heeger_bergen: on one thread, sums do not depend on what else is being run.
-_SAME_EVERY_TIME = {"xla_cpu_multi_thread_eigen": False}
 
 _REACH = 3  # autocorrelations are kept for shifts of up to so many pixels of their scale
 
@@ -215,7 +213,7 @@ def _differences(seen: JointStatistics, made: JointStatistics) -> dict[str, floa
     }
 
 
-@partial(jax.jit, static_argnums=(1, 2, 3), compiler_options=_SAME_EVERY_TIME)
+@partial(jax.jit, static_argnums=(1, 2, 3), compiler_options=SAME_EVERY_TIME)
 def _measure(channels: Array, scales: int, orientations: int, periodic: bool) -> JointStatistics:
     """Statistics of decorrelated channels [channel, row, col]."""
     shape = channels.shape[1:]
