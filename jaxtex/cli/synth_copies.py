@@ -1,0 +1,171 @@
+"""`jaxtex synth` by methods that copy pixels of the exemplar: colours, and whatever other maps go with them."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from jaxtex.cli.progress import reporting
+from jaxtex.cli.synth_methods import encode, start_method
+from jaxtex.core.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from jaxtex.cli.synth import Synth
+    from jaxtex.synthesis.sources import Sources, Step
+
+_LARGEST_NEIGHBORHOOD = 41
+_MOST_PASSES = 1000
+_MOST_SIMILAR = 64
+_MOST_LEVELS = 8
+_WIDEST_BLEND = 16
+
+Rectangle = tuple[float, float, float, float]
+
+
+class _Exemplar(NamedTuple):
+    """What is learnt from.
+
+    Attributes:
+        encoded: [row, col, channel], sRGB-encoded, whose steps look even; alpha is a channel.
+        corner: its (row, col) in the file's picture.
+        size: (width, height) of that picture.
+    """
+
+    encoded: "np.ndarray"
+    corner: tuple[int, int]
+    size: tuple[int, int]
+
+
+def make_of_copies(options: "Synth", size: tuple[int, int] | None, rectangles: list[Rectangle]) -> int:
+    """Run the command; `size` is (width, height), `rectangles` are regions (x, y, width, height)."""
+    _check_numbers(options)
+
+    import jax
+    import numpy as np
+
+    from jaxtex.io.copies import write_copies
+
+    exemplar = _read_exemplar(options.exemplar, rectangles)
+    maps = _name_maps(options, exemplar)
+    steps = start_method(options, exemplar.encoded, size, jax.random.key(options.seed))
+    sources = _watch(options, exemplar, steps)
+    rows, columns = np.moveaxis(sources + np.array(exemplar.corner), -1, 0)
+    if options.blend:
+        _write_blended(options, exemplar, sources)
+    else:
+        write_copies(options.exemplar, options.output, rows, columns)
+    for path, output in maps:
+        write_copies(path, output, rows, columns)
+    tileable = options.tileable or (options.method == "coherence" and options.inpaint is None)
+    told = f"{sources.shape[1]} x {sources.shape[0]} pixels" + (", tileable" if tileable else "")
+    for output in (options.output, *(output for _, output in maps)):
+        print(f"{output}: {told}")
+    return 0
+
+
+def _check_numbers(options: "Synth") -> None:
+    bounds = {
+        "neighborhood": (options.neighborhood, 3, _LARGEST_NEIGHBORHOOD),
+        "block": (options.block, 2, math.inf),
+        "passes": (options.passes, 1, _MOST_PASSES),
+        "similar": (options.similar, 1, _MOST_SIMILAR),
+        "levels": (options.levels, 1, _MOST_LEVELS),
+        "blend": (options.blend, 0.3, _WIDEST_BLEND),
+    }
+    for name, (value, least, most) in bounds.items():
+        if value is not None and not least <= value <= most:
+            told = f"a number from {least} to {most}" if most < math.inf else f"{least} or more"
+            raise InputError(f"--{name}: {value} is out of range; give {told}")
+    if options.neighborhood is not None and options.neighborhood % 2 == 0:
+        raise InputError(f"--neighborhood: {options.neighborhood} has no middle; give an odd number, as 5 or 7")
+    if len(options.region) > 1:
+        raise InputError(f"--region: {options.method} learns from one; heeger-bergen takes more")
+    if options.inpaint is not None:
+        for name in ("size", "region", "guide", "tileable"):
+            if getattr(options, name):
+                raise InputError(f"--{name}: does not go with --inpaint, which fills the exemplar as it is")
+
+
+def _read_exemplar(path: Path, rectangles: list[Rectangle]) -> _Exemplar:
+    from jaxtex.io.images import read_image
+
+    image = read_image(path)
+    size = image.width, image.height
+    pixels = encode(image.pixels, image.alpha)
+    if not rectangles:
+        return _Exemplar(pixels, (0, 0), size)
+    x, y, width, height = rectangles[0]
+    left, top, right, bottom = (round(edge) for edge in (x, y, x + width, y + height))
+    if not (0 <= left < right <= image.width and 0 <= top < bottom <= image.height):
+        told = f"--region: {x:g},{y:g},{width:g}x{height:g}"
+        raise InputError(f"{told} lies outside {path}, which is {image.width} x {image.height}")
+    return _Exemplar(pixels[top:bottom, left:right], (top, left), size)
+
+
+def _name_maps(options: "Synth", exemplar: _Exemplar) -> list[tuple[Path, Path]]:
+    """The other maps, and the file that each is written to."""
+    from jaxtex.io.files import place_for_file
+    from jaxtex.io.raster import read_raster
+
+    place_for_file(options.output)
+    maps: list[tuple[Path, Path]] = []
+    for path in options.also:
+        height, width = read_raster(path).numbers.shape[:2]
+        if (width, height) != exemplar.size:
+            told = f"{exemplar.size[0]} x {exemplar.size[1]}"
+            raise InputError(f"--also: {path} is {width} x {height} pixels, and the exemplar is {told}; give one size")
+        output = options.output.with_name(f"{options.output.stem}_{path.stem}{path.suffix}")
+        if output in [each for _, each in maps]:
+            raise InputError(f"--also: two maps would be written to {output}; rename one of them")
+        maps.append((path, output))
+    return maps
+
+
+def _watch(options: "Synth", exemplar: _Exemplar, steps: Iterator["Step"]) -> "Sources":
+    """The last step's source map, with progress and a preview on the way."""
+    import numpy as np
+
+    from jaxtex.io.images import write_image
+
+    with reporting(f"making {options.output}") as report:
+        for step in steps:
+            report(step.done, step.total)
+            if options.preview is not None:
+                write_image(options.preview, _colours_of(exemplar, np.maximum(step.sources, 0)))
+    return _own_where_known(step.sources)
+
+
+def _own_where_known(sources: "Sources") -> "Sources":
+    """Pixels that a method kept as they are, which have no source, are their own."""
+    import numpy as np
+
+    rows, columns = np.indices(sources.shape[:2])
+    return np.where(sources < 0, np.dstack([rows, columns]), sources).astype(np.int32)
+
+
+def _colours_of(exemplar: _Exemplar, sources: "Sources", blend: float | None = None) -> "np.ndarray":
+    """Linear light, and alpha."""
+    import numpy as np
+
+    from jaxtex.core.colour import srgb_to_linear
+    from jaxtex.synthesis.sources import blend_seams, copy_sources
+
+    # Blended as they look; the colours under alpha have been multiplied by it.
+    made = (
+        copy_sources(exemplar.encoded, sources)
+        if blend is None
+        else blend_seams(exemplar.encoded, sources, width=blend)
+    )
+    colours, alpha = (made, None) if made.shape[2] in (1, 3) else (made[..., :-1], made[..., -1:])
+    if alpha is None:
+        return srgb_to_linear(colours)
+    colours = np.divide(colours, alpha, out=np.zeros_like(colours), where=alpha > 0)
+    return np.concatenate([srgb_to_linear(colours), alpha], axis=2)
+
+
+def _write_blended(options: "Synth", exemplar: _Exemplar, sources: "Sources") -> None:
+    from jaxtex.io.images import write_image
+
+    write_image(options.output, _colours_of(exemplar, sources, options.blend))
