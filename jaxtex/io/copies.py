@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 
 from jaxtex.core.errors import InputError
+from jaxtex.io.encoding import colour_space_of
+from jaxtex.io.files import place_for_file
 from jaxtex.io.images import read_image, write_image
 from jaxtex.io.raster import Raster, read_raster, writing_raster
 
@@ -18,13 +20,30 @@ _HOLDS = {
     ".jpeg": ("uint8",),
     ".exr": ("float32",),
 }
+_LOSSY = (".jpg", ".jpeg")
+
+
+def check_copies(picture: Path | str, output: Path | str) -> None:
+    """Find out whether `write_copies` can write, for work that takes long before it does.
+
+    Raises:
+        InputError: the picture cannot be read; there is no folder for the output, or it is of a format that is not
+            written, or that has no alpha where the picture has.
+    """
+    output = place_for_file(output)
+    suffix, channels = output.suffix.lower(), read_raster(picture).channels
+    if suffix not in _HOLDS:
+        raise InputError(f"{output}: cannot be written as '{output.suffix}'; name it {', '.join(_HOLDS)}")
+    if suffix in _LOSSY and "A" in channels:
+        raise InputError(f"{output}: a JPEG file has no alpha, which {picture} has; write a .png file")
 
 
 def write_copies(picture: Path | str, output: Path | str, rows: np.ndarray, columns: np.ndarray) -> None:
     """Write a picture made of another one's pixels, whole or not at all.
 
-    It has the other's colour space, depth and alpha; where its format cannot hold these, it has what `write_image`
-    makes of them.
+    It has the other's colour space, depth (half floats become floats), names of channels and alpha; where its format
+    cannot hold these, it has what `write_image` makes of them. JPEG files are near to what is copied, as they always
+    are.
 
     Args:
         picture: the file copied from: colours, normals, heights, any number of channels.
@@ -46,20 +65,39 @@ def write_copies(picture: Path | str, output: Path | str, rows: np.ndarray, colu
     height, width = raster.numbers.shape[:2]
     if rows.min() < 0 or columns.min() < 0 or rows.max() >= height or columns.max() >= width:
         raise InputError(f"{picture}: is {width} x {height} pixels, and pixels beyond are to be copied")
-    if raster.numbers.dtype.name not in _HOLDS.get(output.suffix.lower(), ()):
+    if not _holds(output.suffix.lower(), raster, picture.suffix.lower()):
         image = read_image(picture)
         pixels = image.pixels if image.alpha is None else np.concatenate([image.pixels, image.alpha[..., None]], axis=2)
-        write_image(output, pixels[rows, columns])
+        deep = raster.integer and raster.numbers.dtype != np.uint8 and "uint16" in _HOLDS.get(output.suffix.lower(), ())
+        write_image(output, pixels[rows, columns], bits=16 if deep else None)
         return
     kind = {"float32": "float"}.get(raster.numbers.dtype.name, raster.numbers.dtype.name)
     with writing_raster(
         output,
         size=(rows.shape[1], rows.shape[0]),
-        channels=raster.numbers.shape[2],
+        channels=raster.channels,
         kind=kind,
         attributes=_attributes(raster, output.suffix.lower()),
     ) as write_rows:
         write_rows(raster.numbers[rows, columns])
+
+
+def _holds(suffix: str, raster: Raster, read_from: str) -> bool:
+    """Whether the numbers of a picture mean the same in a file of this format."""
+    scaled = raster.integer and raster.numbers.dtype == np.float32
+    if scaled or raster.numbers.dtype.name not in _HOLDS.get(suffix, ()):
+        return False
+    if "A" in raster.channels and (suffix in _LOSSY or (suffix == ".exr" and not raster.premultiplied)):
+        return False
+    if suffix in (".png", read_from):
+        return True
+    # Other files have no place for the name of a colour space: numbers are what such files usually hold, or data.
+    if suffix != ".exr" and "ICCProfile" in raster.attributes:
+        return True
+    return colour_space_of(raster.attributes, integer=raster.integer) in (
+        "srgb" if raster.integer else "linear",
+        "data",
+    )
 
 
 def _attributes(raster: Raster, suffix: str) -> dict[str, Any]:
@@ -69,5 +107,5 @@ def _attributes(raster: Raster, suffix: str) -> dict[str, Any]:
         "DateTime": "",  # or OpenImageIO puts in the time of writing
         **{name: raster.attributes[name] for name in kept if name in raster.attributes},
         "oiio:UnassociatedAlpha": int(not raster.premultiplied),
-        "compression": "jpeg:95" if suffix in (".jpg", ".jpeg") else "zip",
+        "compression": "jpeg:95" if suffix in _LOSSY else "zip",
     }

@@ -2,7 +2,7 @@
 
 import os
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -86,14 +86,14 @@ def read_raster(path: Path | str) -> Raster:
 
 @contextmanager
 def writing_raster(
-    path: Path | str, *, size: tuple[int, int], channels: int, kind: str, attributes: Mapping[str, Any]
+    path: Path | str, *, size: tuple[int, int], channels: int | Sequence[str], kind: str, attributes: Mapping[str, Any]
 ) -> Iterator[Callable[[np.ndarray], None]]:
     """A function to hand an image file's rows to, some at a time from the top; the file is there when the block ends.
 
     Args:
         path: the file; its extension tells the format.
         size: (columns, rows).
-        channels: numbers to a pixel.
+        channels: numbers to a pixel; or their names, of which only EXR files keep others than those of colours.
         kind: OpenImageIO's name of the type in the file: "uint8", "uint16", "half", "float".
         attributes: metadata by OpenImageIO's names; those that the format has no place for are left out.
 
@@ -104,14 +104,17 @@ def writing_raster(
         InputError: the file cannot be written; the reason is said. Nothing is left of it then.
     """
     columns, rows = size
-    spec = oiio.ImageSpec(columns, rows, channels, kind)
-    if channels == 1:
-        spec.channelnames = ("Y",)
-    elif channels == 2:
-        spec.channelnames = ("Y", "A")
-        spec.alpha_channel = 1
+    spec = oiio.ImageSpec(columns, rows, channels if isinstance(channels, int) else len(channels), kind)
+    names = {1: ("Y",), 2: ("Y", "A")}.get(channels) if isinstance(channels, int) else channels
+    if names is not None:
+        spec.channelnames = tuple(names)
+        spec.alpha_channel = names.index("A") if "A" in names else -1
     for name, value in attributes.items():
-        spec.attribute(name, value)
+        if isinstance(value, np.ndarray | tuple):  # a profile's bytes; primaries
+            each = "uint8" if isinstance(value, np.ndarray) else "float"
+            spec.attribute(name, oiio.TypeDesc(f"{each}[{len(value)}]"), value)
+        else:
+            spec.attribute(name, value)
     with replacing(path) as temporary:
         target = _Target(Path(path), temporary, spec)
         try:
