@@ -54,16 +54,19 @@ def copy_sources(picture: npt.ArrayLike, sources: npt.ArrayLike) -> npt.NDArray[
     return pixels[places[..., 0], places[..., 1]]
 
 
-def blend_seams(picture: npt.ArrayLike, sources: npt.ArrayLike, *, width: float = 1.0) -> npt.NDArray[np.floating]:
+def blend_seams(
+    picture: npt.ArrayLike, sources: npt.ArrayLike, *, width: float = 1.0, repeats: bool = True
+) -> npt.NDArray[np.floating]:
     """The same with soft seams: a pixel is the mean of what the pieces around it would show there.
 
     Each neighbour votes for the pixel of the exemplar that continues its own piece, with a Gaussian weight. Inside of
     a piece all votes are for one pixel, which is copied as it stands; M. Ashikhmin ("Synthesizing natural textures",
-    I3D 2001, section 5) suggests to blur seams alone. Beyond the borders of the texture it is taken to repeat.
+    I3D 2001, section 5) suggests to blur seams alone.
 
     Args:
         picture, sources: of `copy_sources`; the picture of floats.
         width: standard deviation of the weight, in pixels.
+        repeats: whether the texture goes on at the opposite border; beyond its borders are no votes otherwise.
 
     Raises:
         ValueError: as `copy_sources`; a width that is not above 0.
@@ -74,10 +77,14 @@ def blend_seams(picture: npt.ArrayLike, sources: npt.ArrayLike, *, width: float 
     total = np.zeros_like(copy_sources(pixels, places), dtype=np.result_type(pixels, np.float32))
     weights = np.zeros(places.shape[:2], total.dtype)
     reach = int(np.ceil(2 * width))
+    rows, columns = np.ogrid[: places.shape[0], : places.shape[1]]
     for down in range(-reach, reach + 1):
         for right in range(-reach, reach + 1):
             votes = np.add(np.roll(places, (down, right), axis=(0, 1)), [down, right])
             inside = ((votes >= 0) & (votes < pixels.shape[:2])).all(axis=2)
+            if not repeats:
+                inside &= (0 <= rows - down) & (rows - down < len(rows))
+                inside &= (0 <= columns - right) & (columns - right < columns.size)
             weight = np.where(inside, np.exp(-(down**2 + right**2) / (2 * width**2)), 0).astype(total.dtype)
             votes = np.where(inside[..., None], votes, 0)
             total += weight.reshape(*weight.shape, *[1] * (total.ndim - 2)) * pixels[votes[..., 0], votes[..., 1]]
