@@ -83,8 +83,8 @@ def blend_seams(
             votes = np.add(np.roll(places, (down, right), axis=(0, 1)), [down, right])
             inside = ((votes >= 0) & (votes < pixels.shape[:2])).all(axis=2)
             if not repeats:
-                inside &= (0 <= rows - down) & (rows - down < len(rows))
-                inside &= (0 <= columns - right) & (columns - right < columns.size)
+                inside &= (rows - down >= 0) & (rows - down < len(rows))
+                inside &= (columns - right >= 0) & (columns - right < columns.size)
             weight = np.where(inside, np.exp(-(down**2 + right**2) / (2 * width**2)), 0).astype(total.dtype)
             votes = np.where(inside[..., None], votes, 0)
             total += weight.reshape(*weight.shape, *[1] * (total.ndim - 2)) * pixels[votes[..., 0], votes[..., 1]]
