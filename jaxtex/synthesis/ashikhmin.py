@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
-from jaxtex.synthesis.coherent import Exemplar, Target, first_pass, later_pass
+from jaxtex.synthesis.coherent_pass import Exemplar, Target, first_pass, later_pass
 from jaxtex.synthesis.neighbourhoods import (
     Shape,
     check_exemplar,
@@ -33,6 +33,7 @@ from jaxtex.synthesis.neighbourhoods import (
     pass_seed,
     quantise,
 )
+from jaxtex.synthesis.sources import Sources, Step, last_of
 
 
 class _Part(NamedTuple):
@@ -66,7 +67,7 @@ def synthesise_ashikhmin(
     passes: int = 1,
     start: npt.ArrayLike | None = None,
     even_rows: bool = False,
-) -> Array:
+) -> Sources:
     """Make a texture like an exemplar, pixel by pixel in scanline order, of pieces of the exemplar.
 
     The result is that of a loop over rows and columns, bit for bit. All draws of a pass follow from two words drawn
@@ -101,14 +102,15 @@ def synthesise_ashikhmin(
         >>> synthesise_ashikhmin(exemplar, (20, 30), key=jax.random.key(0)).shape
         (20, 30, 2)
     """
-    *_, last = ashikhmin_passes(
-        exemplar, shape, key=key, radius=radius, similar=similar, tileable=tileable, target=target, painted=painted,
-        passes=passes, start=start, even_rows=even_rows,
+    return last_of(
+        ashikhmin_steps(
+            exemplar, shape, key=key, radius=radius, similar=similar, tileable=tileable, target=target,
+            painted=painted, passes=passes, start=start, even_rows=even_rows,
+        )
     )  # fmt: skip
-    return last
 
 
-def ashikhmin_passes(
+def ashikhmin_steps(
     exemplar: npt.ArrayLike,
     shape: Shape,
     *,
@@ -121,8 +123,12 @@ def ashikhmin_passes(
     passes: int = 1,
     start: npt.ArrayLike | None = None,
     even_rows: bool = False,
-) -> Iterator[Array]:
-    """The source maps of `synthesise_ashikhmin` after each pass, as they are made; arguments and errors are its."""
+) -> Iterator[Step]:
+    """`synthesise_ashikhmin`, pass by pass.
+
+    Raises:
+        ValueError: as `synthesise_ashikhmin` does, at once.
+    """
     pixels, shape = check_exemplar(exemplar, radius), check_shape(shape)
     if passes < 1:
         raise ValueError(f"passes: {passes} are too few; give at least 1")
@@ -138,16 +144,18 @@ def ashikhmin_passes(
     return _passes(_Plan(prepared, aim, shape, tileable, key), former, passes)
 
 
-def _passes(plan: _Plan, former: Array | None, passes: int) -> Iterator[Array]:
+def _passes(plan: _Plan, former: Array | None, passes: int) -> Iterator[Step]:
     whole = _Part((0, 0), plan.shape)
-    for number in range(passes) if former is None else range(1, passes + 1):
+    begun = int(former is not None)
+    for number in range(begun, begun + passes):
         key = jax.random.fold_in(plan.key, number)
         if former is None:
             former = first_pass(plan.exemplar, plan.target, pass_seed(key, 0), plan.shape)
             former = _join_borders(plan, former, key) if plan.tileable else former
         else:
             former = _go_over(plan, former, whole, pass_seed(key, 0))
-        yield _pairs(former, plan.exemplar.shape[1])
+        sources = np.stack(np.divmod(np.asarray(former), np.int32(plan.exemplar.shape[1])), axis=-1)
+        yield Step(number - begun + 1, passes, sources)
 
 
 def _join_borders(plan: _Plan, places: Array, key: Array) -> Array:
@@ -184,11 +192,6 @@ def _strips(shape: Shape, radius: int) -> list[tuple[_Part, _Part]]:
 def _empty(places: Array, corner: Array, size: Shape) -> Array:
     rolled = jnp.roll(places, -corner, axis=(0, 1))
     return jnp.roll(rolled.at[: size[0], : size[1]].set(-1), corner, axis=(0, 1))
-
-
-@partial(jax.jit, static_argnums=1)
-def _pairs(places: Array, columns: int) -> Array:
-    return jnp.stack(jnp.divmod(places, columns), axis=-1)
 
 
 def _go_over(plan: _Plan, former: Array, part: _Part, seed: Array) -> Array:

@@ -105,11 +105,10 @@ def pack_colours(levels: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint32]:
         >>> pack_colours(np.array([[1, 2, 3]], np.uint8))
         array([[197121]], dtype=uint32)
     """
-    missing = -levels.shape[-1] % _PER_WORD
-    padded = np.pad(levels, [(0, 0)] * (levels.ndim - 1) + [(0, missing)]).astype(np.uint32)
-    words = padded.reshape(*levels.shape[:-1], -1, _PER_WORD)
-    packed = (words << np.arange(0, 8 * _PER_WORD, 8, dtype=np.uint32)).sum(axis=-1, dtype=np.uint32)
-    return np.ascontiguousarray(np.moveaxis(packed, -1, 0))
+    words = np.zeros((-(-levels.shape[-1] // _PER_WORD), *levels.shape[:-1]), np.uint32)
+    for channel in range(levels.shape[-1]):
+        words[channel // _PER_WORD] |= levels[..., channel].astype(np.uint32) << np.uint32(8 * (channel % _PER_WORD))
+    return words
 
 
 def squared_difference(first: Array, second: Array) -> Array:

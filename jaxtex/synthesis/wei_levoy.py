@@ -12,6 +12,7 @@ Departures from the paper: neighbours beyond the border are left out, where the 
 from nothing but the first pixel's random place, where the paper's holds noise.
 """
 
+from collections.abc import Iterator
 from functools import partial
 from typing import Literal
 
@@ -36,6 +37,7 @@ from jaxtex.synthesis.neighbourhoods import (
     quantise,
     square_offsets,
 )
+from jaxtex.synthesis.sources import Sources, Step, last_of
 from jaxtex.synthesis.wavefront import Canvas, Wavefronts
 from jaxtex.synthesis.wei_levoy_tree import Tree, grow_tree
 
@@ -82,7 +84,7 @@ def synthesise_wei_levoy(
     radius: int = 4,
     levels: int = 1,
     search: Search = "full",
-) -> Array:
+) -> Sources:
     """Make a texture like an exemplar, pixel by pixel in scanline order, by the most similar neighbourhood.
 
     The result of the full search is that of a loop over rows and columns, bit for bit; of places that are equally
@@ -111,6 +113,23 @@ def synthesise_wei_levoy(
         >>> synthesise_wei_levoy(exemplar, (8, 10), key=jax.random.key(0), radius=2).shape
         (8, 10, 2)
     """
+    return last_of(wei_levoy_steps(exemplar, shape, key=key, radius=radius, levels=levels, search=search))
+
+
+def wei_levoy_steps(
+    exemplar: npt.ArrayLike,
+    shape: Shape,
+    *,
+    key: Array,
+    radius: int = 4,
+    levels: int = 1,
+    search: Search = "full",
+) -> Iterator[Step]:
+    """`synthesise_wei_levoy`, level by level, from coarse to fine.
+
+    Raises:
+        ValueError: as `synthesise_wei_levoy` does, at once.
+    """
     if levels < 1:
         raise ValueError(f"levels: {levels} are too few; give at least 1")
     if search not in ("full", "tree"):
@@ -119,13 +138,31 @@ def synthesise_wei_levoy(
     for _ in range(levels - 1):
         pyramid.append(check_exemplar(halve(pyramid[-1]), radius))
         sizes.append((-(-sizes[-1][0] // 2), -(-sizes[-1][1] // 2)))
-    parent = None
+    return _climb(pyramid, sizes, key, radius, search)
+
+
+def _climb(
+    pyramid: list[npt.NDArray[np.float32]], sizes: list[Shape], key: Array, radius: int, search: Search
+) -> Iterator[Step]:
+    parent, levels = None, len(pyramid)
     for level in reversed(range(levels)):
         above = pyramid[level + 1] if level + 1 < levels else None
         prepared = _prepare(pyramid[level], above, radius, search)
         places = _scan(prepared, parent, pass_seed(key, level), sizes[level])
         parent = _Parent(tuple(each[places] for each in prepared.colours))
-    return jnp.stack(jnp.divmod(places, pyramid[0].shape[1]), axis=-1)
+        yield Step(levels - level, levels, _magnify(np.asarray(places), prepared.shape[1], level, sizes[0], pyramid[0]))
+
+
+def _magnify(
+    places: npt.NDArray[np.int32], columns: int, level: int, shape: Shape, exemplar: npt.NDArray[np.float32]
+) -> Sources:
+    """The source map, in the exemplar itself, of places in some level of its pyramid."""
+    coarse = np.stack(np.divmod(places, np.int32(columns)), axis=-1)
+    row, column = np.indices(shape, np.int32)
+    fine = np.stack([row, column], axis=-1) % 2**level
+    return np.minimum(
+        coarse[row >> level, column >> level] * 2**level + fine, np.array(exemplar.shape[:2], np.int32) - 1
+    )
 
 
 def halve(picture: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:

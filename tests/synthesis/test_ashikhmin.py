@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_synthesis import PlainAshikhmin
 
-from jaxtex.synthesis.ashikhmin import ashikhmin_passes, synthesise_ashikhmin
+from jaxtex.synthesis.ashikhmin import ashikhmin_steps, synthesise_ashikhmin
+from jaxtex.synthesis.sources import copy_sources
 
 KEY = jax.random.key(3)
 
@@ -45,9 +46,9 @@ def check(options: dict, seed: int, size: tuple, passes: int = 1) -> None:
     exemplar = draw_exemplar(seed, exemplar_shape, channels)
     options = {"key": jax.random.key(seed), "radius": radius, **options}
     plain = PlainAshikhmin(exemplar, shape, **options).passes(passes)
-    made = ashikhmin_passes(exemplar, shape, passes=passes, **options)
+    made = ashikhmin_steps(exemplar, shape, passes=passes, **options)
     for expected, seen in zip(plain, made, strict=True):
-        np.testing.assert_array_equal(seen, expected)
+        np.testing.assert_array_equal(seen.sources, expected)
 
 
 @settings(max_examples=20, deadline=None)
@@ -79,10 +80,10 @@ def test_is_the_loop_with_a_target(seed: int, size: tuple) -> None:
 def test_an_empty_target_changes_nothing() -> None:
     exemplar = draw_exemplar(0, (9, 8), 3)
     target, nowhere = np.random.default_rng(1).random((9, 7, 3)), np.zeros((9, 7), bool)
-    plain = ashikhmin_passes(exemplar, (9, 7), key=KEY, passes=2)
-    aimed = ashikhmin_passes(exemplar, (9, 7), key=KEY, passes=2, target=target, painted=nowhere)
+    plain = ashikhmin_steps(exemplar, (9, 7), key=KEY, passes=2)
+    aimed = ashikhmin_steps(exemplar, (9, 7), key=KEY, passes=2, target=target, painted=nowhere)
     for expected, seen in zip(plain, aimed, strict=True):
-        np.testing.assert_array_equal(seen, expected)
+        np.testing.assert_array_equal(seen.sources, expected.sources)
 
 
 def test_pixels_before_any_that_sees_paint_stay() -> None:
@@ -101,16 +102,18 @@ def test_passes_bring_the_texture_nearer_to_the_target() -> None:
     exemplar = np.concatenate([random.uniform(0, 0.4, (20, 20, 1)), random.uniform(0.6, 1, (20, 20, 1))], axis=1)
     target = np.repeat(np.linspace(0, 1, 9) > 0.5, 7)[:9, None, None] * np.ones((9, 7, 1))
     distances = [
-        np.square(exemplar[tuple(np.moveaxis(np.asarray(sources), -1, 0))] - target).mean()
-        for sources in ashikhmin_passes(exemplar, (9, 7), key=KEY, target=target, passes=3)
+        np.square(copy_sources(exemplar, step.sources) - target).mean()
+        for step in ashikhmin_steps(exemplar, (9, 7), key=KEY, target=target, passes=3)
     ]
     assert distances[0] > distances[-1]
 
 
 def test_a_former_result_stands_for_the_first_pass() -> None:
     exemplar = draw_exemplar(0, (9, 8), 3)
-    first, second = ashikhmin_passes(exemplar, (9, 7), key=KEY, passes=2)
-    np.testing.assert_array_equal(synthesise_ashikhmin(exemplar, (9, 7), key=KEY, start=first), second)
+    first, second = ashikhmin_steps(exemplar, (9, 7), key=KEY, passes=2)
+    assert [first[:2], second[:2]] == [(1, 2), (2, 2)]
+    again = synthesise_ashikhmin(exemplar, (9, 7), key=KEY, start=first.sources)
+    np.testing.assert_array_equal(again, second.sources)
 
 
 def test_tiles_meet() -> None:

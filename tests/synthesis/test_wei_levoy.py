@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_synthesis import synthesise_plain_wei_levoy
 
-from jaxtex.synthesis.wei_levoy import coarsening, halve, synthesise_wei_levoy
+from jaxtex.synthesis.sources import copy_sources
+from jaxtex.synthesis.wei_levoy import coarsening, halve, synthesise_wei_levoy, wei_levoy_steps
 from jaxtex.synthesis.wei_levoy_tree import grow_tree
 
 KEY = jax.random.key(3)
@@ -64,6 +65,16 @@ def test_a_tree_goes_on_with_what_it_has_begun() -> None:
     sources = np.asarray(synthesise_wei_levoy(stripes, (20, 25), key=KEY, radius=3, search="tree"))
     texture = stripes[sources[..., 0], sources[..., 1], 0]
     np.testing.assert_allclose(texture, np.broadcast_to(texture[:1], texture.shape))
+
+
+def test_coarse_levels_are_shown_at_full_size() -> None:
+    exemplar = draw_exemplar(0, (21, 24), 3)
+    steps = list(wei_levoy_steps(exemplar, (11, 7), key=KEY, radius=2, levels=3))
+    assert [each[:2] for each in steps] == [(1, 3), (2, 3), (3, 3)]
+    for each in steps:
+        assert copy_sources(exemplar, each.sources).shape == (11, 7, 3)
+    coarse = steps[0].sources
+    np.testing.assert_array_equal(coarse[:4, :4] - coarse[:1, :1], np.moveaxis(np.indices((4, 4)), 0, -1))
 
 
 def test_halving_keeps_what_is_even_and_blurs_the_rest() -> None:
