@@ -19,14 +19,13 @@ import argparse
 import csv
 import io
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 
 import jax
 import numpy as np
-from jax import Array
 from numpy.typing import NDArray
 from tables import make_table
 
@@ -34,19 +33,13 @@ import jaxtex as jt
 from jaxtex.cli.progress import progress
 from jaxtex.core.colour import linear_to_srgb
 from jaxtex.io.files import atomic_write_text
-from jaxtex.synthesis.ashikhmin import synthesise_ashikhmin
-from jaxtex.synthesis.coherence import synthesise_coherence
 from jaxtex.synthesis.copying import measure_pieces, verbatim_share
 from jaxtex.synthesis.distances import sliced_wasserstein
-from jaxtex.synthesis.efros_leung import synthesise_efros_leung
-from jaxtex.synthesis.heeger_bergen import analyse_texture, synthesise_texture
+from jaxtex.synthesis.methods import METHODS
 from jaxtex.synthesis.portilla_simoncelli import portilla_simoncelli_distance
-from jaxtex.synthesis.quilting import synthesise_quilting
-from jaxtex.synthesis.sources import Sources, copy_sources
+from jaxtex.synthesis.sources import Sources
 
 Floats = NDArray[np.floating]
-Shape = tuple[int, int]
-Method = Callable[[Floats, Shape, Array], tuple[Floats, Sources | None]]
 Row = dict[str, str | float]
 
 ENDINGS = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr"}
@@ -54,30 +47,6 @@ DISTANCES = ["patches", "statistics"]
 COPYING = ["verbatim", "near", "piece"]
 NEAR = 3 / 255
 WITHIN = 1.05  # of the least distance: what counts as nearest, too
-
-
-def copying(synthesise: Callable[..., Sources | Array], **options: int) -> Method:
-    """A method that returns the places its pixels are copied from."""
-
-    def method(exemplar: Floats, shape: Shape, key: Array) -> tuple[Floats, Sources | None]:
-        sources = np.asarray(synthesise(exemplar, shape, key=key, **options))
-        return copy_sources(exemplar, sources), sources
-
-    return method
-
-
-def match_statistics(exemplar: Floats, shape: Shape, key: Array) -> tuple[Floats, Sources | None]:
-    """Heeger and Bergen's textures, which copy nothing."""
-    return np.asarray(synthesise_texture(analyse_texture(exemplar[None]), shape, key=key)), None
-
-
-METHODS: dict[str, Method] = {
-    "heeger-bergen": match_statistics,
-    "efros-leung": copying(synthesise_efros_leung),
-    "quilting": copying(synthesise_quilting),
-    "ashikhmin": copying(synthesise_ashikhmin),
-    "coherence": copying(synthesise_coherence),
-}
 
 
 def read_exemplar(path: Path, side: int) -> Floats:
@@ -166,7 +135,7 @@ def main(words: Sequence[str] | None = None) -> None:
         exemplar = read_exemplar(path, options.exemplar)
         for method in options.methods:
             for seed in range(options.seeds):
-                made = METHODS[method](exemplar, (options.size, options.size), jax.random.key(seed))
+                made = METHODS[method](exemplar, (options.size, options.size), key=jax.random.key(seed))
                 rows.append({"exemplar": path.stem, "method": method, "seed": seed} | measure(exemplar, *made))
         # After every exemplar, as all of them take long.
         table = io.StringIO()

@@ -57,11 +57,16 @@ class Compare:
     """Make a texture by every method of jaxtex synth, with its default settings, and draw them all on one sheet.
 
     With each stand its figures, which are also printed, and written as a table (.csv) beside the sheet:
-    seconds: it took to make here. What JAX compiles anew, the first time that textures of a size are made of an
+
+    seconds: that it took to make here. What JAX compiles anew, the first time that textures of a size are made of an
     exemplar of a size, is part of it, as it is of jaxtex synth; run it again to see how long it takes from then on.
+
     patches: sliced Wasserstein distance from the exemplar, of patches at four scales; 0 is alike.
+
     statistics: Portilla and Simoncelli's distance; 0 is alike, 1 about as far as other textures are.
+
     copied: share of windows of 9 x 9 pixels that stand in the exemplar as they are. Copying flatters both distances.
+
     pieces: pixels of the pieces that were copied, in the mean; the small picture below gives each its own colour.
 
     Example: jaxtex compare pebbles.jpg -o sheet.png
@@ -131,10 +136,7 @@ def _read_exemplar(path: Path, region: str | None) -> "np.ndarray":
 
     rectangle = None if region is None else parse_rectangle("--region", region)
     image = read_image(path)
-    if rectangle is None:
-        width, height = min(image.width, _LEARNT_FROM), min(image.height, _LEARNT_FROM)
-        rectangle = (image.width - width) // 2, (image.height - height) // 2, width, height
-    x, y, width, height = rectangle
+    x, y, width, height = rectangle or _middle(image.width, image.height)
     left, top, right, bottom = (round(edge) for edge in (x, y, x + width, y + height))
     if not (0 <= left < right <= image.width and 0 <= top < bottom <= image.height):
         raise InputError(f"--region: {region} lies outside {path}, which is {image.width} x {image.height}")
@@ -147,6 +149,11 @@ def _read_exemplar(path: Path, region: str | None) -> "np.ndarray":
     if image.alpha is not None and image.alpha[inside].min() < 1:
         raise InputError(f"{path}: is transparent where it is learnt from; give a --region that is opaque")
     return encode(image.pixels[inside], None)
+
+
+def _middle(width: int, height: int) -> tuple[float, float, float, float]:
+    across, down = min(width, _LEARNT_FROM), min(height, _LEARNT_FROM)
+    return (width - across) // 2, (height - down) // 2, across, down
 
 
 def _make_all(

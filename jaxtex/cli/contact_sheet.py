@@ -90,7 +90,7 @@ def draw_contact_sheet(cells: Sequence[Cell], layout: Layout) -> npt.NDArray[np.
         down, right = divmod(number, layout.columns)
         place = (_MARGIN + right * (layout.cell[0] + _MARGIN), _MARGIN + down * (layout.cell[1] + _MARGIN))
         sheet.paste(_draw_cell(cell, layout), place)
-    return np.asarray(sheet, np.float32) / 255
+    return (np.asarray(sheet) / 255).astype(np.float32)
 
 
 def _draw_cell(cell: Cell, layout: Layout) -> Image.Image:
