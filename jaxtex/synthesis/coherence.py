@@ -7,8 +7,9 @@ functions on arbitrary surfaces", SIGGRAPH 2002). As in S. Lefebvre and H. Hoppe
 synthesis", SIGGRAPH 2005), whole squares are compared, at every level, and pixels that lie apart are decided together.
 
 Departures: the coarsest level does not begin with noise but with blocks of the exemplar, evenly spread over it, so that
-things are whole from the beginning and all of the exemplar is used; there every place is searched. What remains to be
-done is to make blocks meet. The texture repeats without a seam.
+things are whole from the beginning and all of the exemplar is used. What remains to be done is to make blocks meet, in
+few passes: the more often what looks most alike is chosen, the more smooth places are. The texture repeats without a
+seam.
 """
 
 import math
@@ -31,17 +32,17 @@ from jaxtex.synthesis.exemplars import (
     look_around,
     neighbourhood_weights,
 )
-from jaxtex.synthesis.neighbourhoods import check_exemplar, check_picture
+from jaxtex.synthesis.neighbourhoods import check_exemplar, check_picture, check_shape
 from jaxtex.synthesis.sources import Sources, Step, last_of
 
 _COARSEST = 32  # pixels along the shorter side of an exemplar
-_BLOCK = 16  # pixels at the coarsest level
-_PASSES, _COARSE_PASSES = 4, 8
+_BLOCK = 14  # pixels at the coarsest level: the larger, the more is copied as it stands
+_PASSES, _COARSE_PASSES = 2, 3
+_GUIDED_PASSES = 8
 _SIMILAR = 4  # places of each neighbour, its own continuation among them
-_JUMP = 1.2  # times as far does a place count that continues no neighbour: pieces stay whole
+_JUMP = 1.5  # times as far does a place count that continues no neighbour: pieces stay whole
 _APART = 2  # pixels, along either axis, between those that are decided together
 _AT_A_TIME = 2048  # pixels
-_SEARCHED = 1 << 27  # pairs of pixel and place that are all compared, at most
 
 
 def synthesise_coherence(
@@ -86,15 +87,14 @@ def coherence_steps(
 ) -> Iterator[Step]:
     """The same step by step, with the source map so far, from coarse to fine."""
     pixels = check_exemplar(exemplar, radius)
-    if min(shape) < 1:
-        raise ValueError(f"a texture of {shape[1]} x {shape[0]} pixels has none; give at least 1 x 1")
+    shape = check_shape(shape)
     guide = np.zeros((*shape, 0), np.float32)
     if guides is not None:
         ours, guide = (check_picture(each, "guide") for each in guides)
-        if ours.shape[:2] != pixels.shape[:2] or guide.shape[:2] != tuple(shape) or ours.shape[2] != guide.shape[2]:
+        if ours.shape[:2] != pixels.shape[:2] or guide.shape[:2] != shape or ours.shape[2] != guide.shape[2]:
             raise ValueError(
                 f"guides of shapes {ours.shape} and {guide.shape}: give one of the exemplar's size and one of the "
-                f"texture's, {pixels.shape[:2]} and {tuple(shape)}, with as many channels"
+                f"texture's, {pixels.shape[:2]} and {shape}, with as many channels"
             )
         pixels = np.concatenate([pixels, ours], axis=2)
     levels = analyse_levels(pixels, np.ones(pixels.shape[:2], bool), radius=radius, coarsest=_COARSEST)
@@ -150,7 +150,10 @@ def _refine(
     for _ in levels[1:]:
         guide, kept = givens[-1]
         givens.append((halve(guide, np.ones_like(kept)), halve_mask(kept)))
-    total, done = _COARSE_PASSES + _PASSES * (len(levels) - 1), 0
+    # Blocks know nothing of a guide: with one, all places are searched at first.
+    guided = guide.shape[2] > 0
+    first_passes = _GUIDED_PASSES if guided else _COARSE_PASSES
+    total, done = first_passes + _PASSES * (len(levels) - 1), 0
     guide, kept = givens[-1]
     places = _grow_inwards(levels[-1], kept, radius) if kept.any() else _lay_blocks(levels[-1], kept.shape, key)
     for number in reversed(range(len(levels))):
@@ -160,9 +163,8 @@ def _refine(
             places = _double(places, levels[number + 1], level, kept.shape)
         if kept.any():
             places = np.where(kept, np.arange(kept.size).reshape(kept.shape), places)
-        every = first and level.valid.size * places.size <= _SEARCHED
-        for _ in range(_COARSE_PASSES if first else _PASSES):
-            places = _correct(level, places, guide, kept, radius, wrap, every)
+        for _ in range(first_passes if first else _PASSES):
+            places = _correct(level, places, guide, kept, radius, wrap, first and guided)
             done += 1
             yield Step(done, total, _magnify(places, level, levels[0], givens[0][1].shape, number))
 
