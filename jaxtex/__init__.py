@@ -120,9 +120,30 @@ if TYPE_CHECKING:
     from jaxtex.photo.segment import colour_mask as colour_mask
     from jaxtex.photo.segment import pick_colours as pick_colours
     from jaxtex.photo.segment import threshold_mask as threshold_mask
+    from jaxtex.synthesis.ashikhmin import ashikhmin_steps as ashikhmin_steps
+    from jaxtex.synthesis.ashikhmin import synthesise_ashikhmin as synthesise_ashikhmin
+    from jaxtex.synthesis.coherence import coherence_steps as coherence_steps
+    from jaxtex.synthesis.coherence import inpaint_coherence as inpaint_coherence
+    from jaxtex.synthesis.coherence import inpaint_steps as inpaint_steps
+    from jaxtex.synthesis.coherence import synthesise_coherence as synthesise_coherence
+    from jaxtex.synthesis.copying import measure_pieces as measure_pieces
+    from jaxtex.synthesis.copying import seam_map as seam_map
+    from jaxtex.synthesis.copying import verbatim_share as verbatim_share
+    from jaxtex.synthesis.distances import sliced_wasserstein as sliced_wasserstein
+    from jaxtex.synthesis.efros_leung import efros_leung_steps as efros_leung_steps
+    from jaxtex.synthesis.efros_leung import synthesise_efros_leung as synthesise_efros_leung
     from jaxtex.synthesis.heeger_bergen import TextureStatistics as TextureStatistics
     from jaxtex.synthesis.heeger_bergen import analyse_texture as analyse_texture
     from jaxtex.synthesis.heeger_bergen import synthesise_texture as synthesise_texture
+    from jaxtex.synthesis.nearest import find_similar as find_similar
+    from jaxtex.synthesis.portilla_simoncelli import portilla_simoncelli_distance as portilla_simoncelli_distance
+    from jaxtex.synthesis.quilting import quilting_steps as quilting_steps
+    from jaxtex.synthesis.quilting import synthesise_quilting as synthesise_quilting
+    from jaxtex.synthesis.sources import Step as Step
+    from jaxtex.synthesis.sources import blend_seams as blend_seams
+    from jaxtex.synthesis.sources import copy_sources as copy_sources
+    from jaxtex.synthesis.wei_levoy import synthesise_wei_levoy as synthesise_wei_levoy
+    from jaxtex.synthesis.wei_levoy import wei_levoy_steps as wei_levoy_steps
 
 __version__ = "0.1.0"
 
@@ -200,6 +221,28 @@ _PUBLIC = {
     "analyse_texture": "jaxtex.synthesis.heeger_bergen",
     "TextureStatistics": "jaxtex.synthesis.heeger_bergen",
     "synthesise_texture": "jaxtex.synthesis.heeger_bergen",
+    # exemplar -> source map -> texture
+    "inpaint_coherence": "jaxtex.synthesis.coherence",
+    "synthesise_coherence": "jaxtex.synthesis.coherence",
+    "coherence_steps": "jaxtex.synthesis.coherence",
+    "inpaint_steps": "jaxtex.synthesis.coherence",
+    "synthesise_ashikhmin": "jaxtex.synthesis.ashikhmin",
+    "ashikhmin_steps": "jaxtex.synthesis.ashikhmin",
+    "synthesise_wei_levoy": "jaxtex.synthesis.wei_levoy",
+    "wei_levoy_steps": "jaxtex.synthesis.wei_levoy",
+    "synthesise_efros_leung": "jaxtex.synthesis.efros_leung",
+    "efros_leung_steps": "jaxtex.synthesis.efros_leung",
+    "synthesise_quilting": "jaxtex.synthesis.quilting",
+    "quilting_steps": "jaxtex.synthesis.quilting",
+    "find_similar": "jaxtex.synthesis.nearest",
+    "Step": "jaxtex.synthesis.sources",
+    "blend_seams": "jaxtex.synthesis.sources",
+    "copy_sources": "jaxtex.synthesis.sources",
+    "measure_pieces": "jaxtex.synthesis.copying",
+    "seam_map": "jaxtex.synthesis.copying",
+    "verbatim_share": "jaxtex.synthesis.copying",
+    "sliced_wasserstein": "jaxtex.synthesis.distances",
+    "portilla_simoncelli_distance": "jaxtex.synthesis.portilla_simoncelli",
     # model -> material
     "measure_appearance": "jaxtex.material.measure",
     "Appearance": "jaxtex.material.appearance",
