@@ -37,6 +37,7 @@ from jaxtex.synthesis.sources import Sources, Step, last_of
 
 _COARSEST = 32  # pixels along the shorter side of an exemplar
 _BLOCK = 14  # pixels at the coarsest level: the larger, the more is copied as it stands
+_SHIFT = 3  # pixels at the coarsest level, at most, to where a block fits best
 _PASSES, _COARSE_PASSES = 2, 3
 _GUIDED_PASSES = 8
 _SIMILAR = 4  # places of each neighbour, its own continuation among them
@@ -155,7 +156,7 @@ def _refine(
     first_passes = _GUIDED_PASSES if guided else _COARSE_PASSES
     total, done = first_passes + _PASSES * (len(levels) - 1), 0
     guide, kept = givens[-1]
-    places = _grow_inwards(levels[-1], kept, radius) if kept.any() else _lay_blocks(levels[-1], kept.shape, key)
+    places = _grow_inwards(levels[-1], kept, radius) if kept.any() else _lay_blocks(levels[-1], kept.shape, key, radius)
     for number in reversed(range(len(levels))):
         level, (guide, kept) = levels[number], givens[number]
         first = number == len(levels) - 1
@@ -169,22 +170,48 @@ def _refine(
             yield Step(done, total, _magnify(places, level, levels[0], givens[0][1].shape, number))
 
 
-def _lay_blocks(level: ExemplarLevel, shape: tuple[int, int], key: Array) -> npt.NDArray[np.int32]:
-    """Blocks of the exemplar, from places that are evenly spread over it; as places [row, col]."""
+def _lay_blocks(level: ExemplarLevel, shape: tuple[int, int], key: Array, radius: int) -> npt.NDArray[np.int32]:
+    """Blocks of the exemplar, from places that are about evenly spread over it; as places [row, col].
+
+    Each is shifted to where its surroundings are most like what lies there already, across the borders too: so regular
+    textures stay in step.
+    """
     rows, columns = level.valid.shape
     side = min(_BLOCK, rows, columns)
     down, right = (max(1, round(each / side)) for each in shape)
+    tops, lefts = (np.arange(count + 1) * each // count for count, each in zip((down, right), shape, strict=True))
+    limits = np.maximum(level.valid.shape - np.array([np.diff(tops).max(), np.diff(lefts).max()]), 0)
     strata = math.ceil(math.sqrt(down * right))
     cells = jax.random.permutation(jax.random.fold_in(key, 0), strata**2)[: down * right]
     jitter = np.asarray(jax.random.uniform(jax.random.fold_in(key, 1), (down * right, 2)))
-    start = (np.stack([cells // strata, cells % strata], axis=1) + jitter) / strata * [rows - side, columns - side]
-    row, column = np.indices(shape)
-    block = row * down // shape[0] * right + column * right // shape[1]
-    inner_row, inner_column = row % -(-shape[0] // down), column % -(-shape[1] // right)
-    corner = start.astype(int)[block]
-    place_row = np.minimum(corner[..., 0] + inner_row, rows - 1)
-    place_column = np.minimum(corner[..., 1] + inner_column, columns - 1)
-    return level.nearest_valid[place_row * columns + place_column]
+    starts = ((np.stack([cells // strata, cells % strata], axis=1) + jitter) / strata * (limits + 1)).astype(int)
+    starts = np.clip(starts - _SHIFT, 0, np.maximum(limits - 2 * _SHIFT, 0))
+    shifts = np.moveaxis(np.indices((2 * _SHIFT + 1, 2 * _SHIFT + 1)), 0, -1).reshape(-1, 2)
+    places = np.full(shape, -1)
+    for number, start in enumerate(starts):
+        top, bottom = tops[number // right : number // right + 2]
+        left, after = lefts[number % right : number % right + 2]
+        row, column = np.indices((bottom - top + 2 * radius, after - left + 2 * radius)).reshape(2, -1) - radius
+        around = places[(top + row) % shape[0], (left + column) % shape[1]]
+        corners = np.minimum(start + shifts, limits)
+        corner = corners[np.argmin(_mismatch(level, corners, np.stack([row, column])[:, around >= 0], around))]
+        row, column = np.indices((bottom - top, after - left))
+        place_row, place_column = (
+            np.minimum(first + step, last - 1)
+            for first, step, last in zip(corner, (row, column), (rows, columns), strict=True)
+        )
+        places[top:bottom, left:after] = place_row * columns + place_column
+    return level.nearest_valid[places]
+
+
+def _mismatch(
+    level: ExemplarLevel, corners: npt.NDArray[np.int_], steps: npt.NDArray[np.int_], places: npt.NDArray[np.int_]
+) -> npt.NDArray[np.float32]:
+    """How much pixels at some steps from each corner, [corner, 2], differ from what lies there; 0 if nothing does."""
+    limits = np.array(level.valid.shape)[:, None, None] - 1
+    row, column = np.clip(corners.T[:, :, None] + steps[:, None, :], 0, limits)
+    lying = level.pixels.reshape(-1, level.pixels.shape[2])[places[places >= 0]]
+    return np.square(level.pixels[row, column] - lying).sum(axis=(1, 2))
 
 
 def _grow_inwards(level: ExemplarLevel, kept: npt.NDArray[np.bool_], radius: int) -> npt.NDArray[np.int32]:

@@ -62,6 +62,8 @@ def analyse_levels(pixels: Floats, usable: Bools, *, radius: int, coarsest: int)
     Raises:
         ValueError: no neighbourhood is whole.
     """
+    if usable.any():  # what is not known is as what is near, so that it does not tell which places look alike
+        pixels = pixels[tuple(distance_transform_edt(~usable, return_distances=False, return_indices=True))]
     pictures, masks = [pixels], [usable]
     while min(pictures[-1].shape[:2]) >= 2 * coarsest and _valid_places(halve_mask(masks[-1]), radius).any():
         pictures.append(halve(pictures[-1], masks[-1]))
