@@ -128,5 +128,5 @@ class Synth:
 
         for option, methods in _GOES_WITH.items():
             given = getattr(self, option)
-            if given not in (None, False, ()) and self.method not in methods:
+            if given is not None and given is not False and given != () and self.method not in methods:
                 raise InputError(f"--{option}: goes with --method {' or '.join(methods)}, not with {self.method}")

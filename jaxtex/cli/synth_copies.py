@@ -20,6 +20,7 @@ _MOST_PASSES = 1000
 _MOST_SIMILAR = 64
 _MOST_LEVELS = 8
 _WIDEST_BLEND = 16
+_DEEP = (".png", ".tif", ".tiff")  # formats of 16 bits
 
 Rectangle = tuple[float, float, float, float]
 
@@ -29,11 +30,13 @@ class _Exemplar(NamedTuple):
 
     Attributes:
         encoded: [row, col, channel], sRGB-encoded, whose steps look even; alpha is a channel.
+        white: the encoded value that is 1 there, at least 1.
         corner: its (row, col) in the file's picture.
         size: (width, height) of that picture.
     """
 
     encoded: "np.ndarray"
+    white: float
     corner: tuple[int, int]
     size: tuple[int, int]
 
@@ -52,13 +55,13 @@ def make_of_copies(options: "Synth", size: tuple[int, int] | None, rectangles: l
     steps = start_method(options, exemplar.encoded, size, jax.random.key(options.seed))
     sources = _watch(options, exemplar, steps)
     rows, columns = np.moveaxis(sources + np.array(exemplar.corner), -1, 0)
-    if options.blend:
-        _write_blended(options, exemplar, sources)
+    tileable = options.tileable or (options.method == "coherence" and options.inpaint is None)
+    if options.blend is not None:
+        _write_blended(options, exemplar, sources, options.blend, tileable)
     else:
         write_copies(options.exemplar, options.output, rows, columns)
     for path, output in maps:
         write_copies(path, output, rows, columns)
-    tileable = options.tileable or (options.method == "coherence" and options.inpaint is None)
     told = f"{sources.shape[1]} x {sources.shape[0]} pixels" + (", tileable" if tileable else "")
     for output in (options.output, *(output for _, output in maps)):
         print(f"{output}: {told}")
@@ -82,6 +85,8 @@ def _check_numbers(options: "Synth") -> None:
         raise InputError(f"--neighborhood: {options.neighborhood} has no middle; give an odd number, as 5 or 7")
     if len(options.region) > 1:
         raise InputError(f"--region: {options.method} learns from one; heeger-bergen takes more")
+    if options.guide is not None and options.region:
+        raise InputError("--region: does not go with --guide; cut the exemplar and its guide out alike")
     if options.inpaint is not None:
         for name in ("size", "region", "guide", "tileable"):
             if getattr(options, name):
@@ -89,27 +94,31 @@ def _check_numbers(options: "Synth") -> None:
 
 
 def _read_exemplar(path: Path, rectangles: list[Rectangle]) -> _Exemplar:
+    from jaxtex.core.colour import linear_to_srgb
     from jaxtex.io.images import read_image
 
     image = read_image(path)
     size = image.width, image.height
     pixels = encode(image.pixels, image.alpha)
+    white = max(1.0, float(linear_to_srgb(image.pixels.max())))
     if not rectangles:
-        return _Exemplar(pixels, (0, 0), size)
+        return _Exemplar(pixels, white, (0, 0), size)
     x, y, width, height = rectangles[0]
     left, top, right, bottom = (round(edge) for edge in (x, y, x + width, y + height))
     if not (0 <= left < right <= image.width and 0 <= top < bottom <= image.height):
         told = f"--region: {x:g},{y:g},{width:g}x{height:g}"
         raise InputError(f"{told} lies outside {path}, which is {image.width} x {image.height}")
-    return _Exemplar(pixels[top:bottom, left:right], (top, left), size)
+    return _Exemplar(pixels[top:bottom, left:right], white, (top, left), size)
 
 
 def _name_maps(options: "Synth", exemplar: _Exemplar) -> list[tuple[Path, Path]]:
-    """The other maps, and the file that each is written to."""
-    from jaxtex.io.files import place_for_file
+    """The other maps, and the file that each is written to; all files are known to be writable then."""
+    from jaxtex.io.copies import check_copies
     from jaxtex.io.raster import read_raster
 
-    place_for_file(options.output)
+    check_copies(options.exemplar, options.output)
+    if options.preview is not None:
+        check_copies(options.exemplar, options.preview)
     maps: list[tuple[Path, Path]] = []
     for path in options.also:
         height, width = read_raster(path).numbers.shape[:2]
@@ -119,6 +128,9 @@ def _name_maps(options: "Synth", exemplar: _Exemplar) -> list[tuple[Path, Path]]
         output = options.output.with_name(f"{options.output.stem}_{path.stem}{path.suffix}")
         if output in [each for _, each in maps]:
             raise InputError(f"--also: two maps would be written to {output}; rename one of them")
+        if {output.resolve(), options.output.resolve()} & {each.resolve() for each in options.also}:
+            raise InputError(f"--also: {path} or another map would be written over; give another --output")
+        check_copies(path, output)
         maps.append((path, output))
     return maps
 
@@ -128,12 +140,14 @@ def _watch(options: "Synth", exemplar: _Exemplar, steps: Iterator["Step"]) -> "S
     import numpy as np
 
     from jaxtex.io.images import write_image
+    from jaxtex.synthesis.sources import copy_sources
 
     with reporting(f"making {options.output}") as report:
         for step in steps:
             report(step.done, step.total)
             if options.preview is not None:
-                write_image(options.preview, _colours_of(exemplar, np.maximum(step.sources, 0)))
+                seen = np.maximum(step.sources, 0) if options.inpaint is None else _own_where_known(step.sources)
+                write_image(options.preview, _colours_of(exemplar, copy_sources(exemplar.encoded, seen)))
     return _own_where_known(step.sources)
 
 
@@ -145,27 +159,25 @@ def _own_where_known(sources: "Sources") -> "Sources":
     return np.where(sources < 0, np.dstack([rows, columns]), sources).astype(np.int32)
 
 
-def _colours_of(exemplar: _Exemplar, sources: "Sources", blend: float | None = None) -> "np.ndarray":
+def _colours_of(exemplar: _Exemplar, encoded: "np.ndarray") -> "np.ndarray":
     """Linear light, and alpha."""
     import numpy as np
 
     from jaxtex.core.colour import srgb_to_linear
-    from jaxtex.synthesis.sources import blend_seams, copy_sources
 
-    # Blended as they look; the colours under alpha have been multiplied by it.
-    made = (
-        copy_sources(exemplar.encoded, sources)
-        if blend is None
-        else blend_seams(exemplar.encoded, sources, width=blend)
-    )
-    colours, alpha = (made, None) if made.shape[2] in (1, 3) else (made[..., :-1], made[..., -1:])
-    if alpha is None:
-        return srgb_to_linear(colours)
+    if encoded.shape[2] in (1, 3):
+        return srgb_to_linear(encoded * exemplar.white)
+    colours, alpha = encoded[..., :-1], encoded[..., -1:]
     colours = np.divide(colours, alpha, out=np.zeros_like(colours), where=alpha > 0)
-    return np.concatenate([srgb_to_linear(colours), alpha], axis=2)
+    return np.concatenate([srgb_to_linear(colours * exemplar.white), alpha], axis=2)
 
 
-def _write_blended(options: "Synth", exemplar: _Exemplar, sources: "Sources") -> None:
+def _write_blended(options: "Synth", exemplar: _Exemplar, sources: "Sources", width: float, tileable: bool) -> None:
+    """Blended as it looks; colours under alpha have been multiplied by it."""
     from jaxtex.io.images import write_image
+    from jaxtex.io.raster import read_raster
+    from jaxtex.synthesis.sources import blend_seams
 
-    write_image(options.output, _colours_of(exemplar, sources, options.blend))
+    blended = blend_seams(exemplar.encoded, sources, width=width, repeats=tileable)
+    deep = read_raster(options.exemplar).numbers.dtype.name == "uint16" and options.output.suffix.lower() in _DEEP
+    write_image(options.output, _colours_of(exemplar, blended), bits=16 if deep else None)
