@@ -177,10 +177,11 @@ def test_where_the_pith_is_told_its_error_is_told() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["brick", "grass", "gravel"])
 def test_other_pictures_are_no_wood(name: str) -> None:
-    fit = fit_wood(srgb_to_linear(getattr(data, name)() / 255))
+    picture = srgb_to_linear(getattr(data, name)() / 255).reshape(256, 2, 256, 2).mean(axis=(1, 3))
+    fit = fit_wood(picture)
     assert not fit.ok
     assert fit.reason
-    assert fit.mask.shape == fit.rings.shape == (512, 512)
+    assert fit.mask.shape == fit.rings.shape == (256, 256)
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-4])
