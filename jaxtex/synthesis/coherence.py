@@ -36,7 +36,7 @@ from jaxtex.synthesis.neighbourhoods import check_exemplar, check_picture, check
 from jaxtex.synthesis.sources import Sources, Step, last_of
 
 _COARSEST = 32  # pixels along the shorter side of an exemplar
-_BLOCK = 14  # pixels at the coarsest level: the larger, the more is copied as it stands
+_BLOCK = 11  # pixels at the coarsest level: the larger, the more is copied as it stands
 _SHIFT = 3  # pixels at the coarsest level, at most, to where a block fits best
 _PASSES, _COARSE_PASSES = 2, 3
 _GUIDED_PASSES = 8
