@@ -26,7 +26,7 @@ def test_they_are_those_of_the_command_line() -> None:
 @pytest.mark.parametrize("channels", [1, 3])
 @pytest.mark.parametrize("name", METHODS)
 def test_each_makes_a_texture_of_the_shape(name: str, channels: int) -> None:
-    exemplar = draw_exemplar((16, 19, channels))
+    exemplar = draw_exemplar((24, 25, channels))
     pixels, sources = METHODS[name](exemplar, SHAPE, key=KEY)
     assert pixels.shape == (*SHAPE, channels)
     assert pixels.dtype == np.float32
