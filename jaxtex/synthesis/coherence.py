@@ -27,6 +27,7 @@ from jaxtex.core.compiling import SAME_EVERY_TIME
 from jaxtex.synthesis.exemplars import (
     ExemplarLevel,
     analyse_levels,
+    choose_candidates,
     halve,
     halve_mask,
     look_around,
@@ -218,18 +219,22 @@ def _grow_inwards(level: ExemplarLevel, kept: npt.NDArray[np.bool_], radius: int
     """A hole filled ring by ring, each pixel from where the exemplar is most like what is known around it."""
     places = np.arange(kept.size, dtype=np.int32).reshape(kept.shape)
     picture, known = level.pixels * kept[..., None], kept.astype(np.float32)[..., None]
-    choices = np.flatnonzero(level.valid)
+    choices = choose_candidates(level.valid)
     weights = np.square(neighbourhood_weights(radius))[:, None]
-    seen = look_around(level.pixels, radius)[choices]
+    seen = look_around(level.pixels, radius, choices)
     values, squares = seen.reshape(len(choices), -1), np.square(seen).sum(axis=2)
     ring = distance_transform_cdt(~kept, metric="chessboard")
     for number in range(1, int(ring.max()) + 1):
         pixels = np.flatnonzero(ring == number)
-        mask = look_around(known, radius)[pixels] * weights
-        given = (look_around(picture, radius)[pixels] * mask).reshape(len(pixels), -1)
-        found = choices[np.argmin(mask[..., 0] @ squares.T - 2 * given @ values.T, axis=1)]
-        places.ravel()[pixels] = found
-        picture.reshape(-1, picture.shape[2])[pixels] = level.pixels.reshape(-1, picture.shape[2])[found]
+        found = []
+        for part in np.array_split(pixels, -(-len(pixels) // _AT_A_TIME)):
+            mask = look_around(known, radius, part) * weights
+            given = (look_around(picture, radius, part) * mask).reshape(len(part), -1)
+            found.append(choices[np.argmin(mask[..., 0] @ squares.T - 2 * given @ values.T, axis=1)])
+        places.ravel()[pixels] = np.concatenate(found)
+        picture.reshape(-1, picture.shape[2])[pixels] = level.pixels.reshape(-1, picture.shape[2])[
+            places.ravel()[pixels]
+        ]
         known.ravel()[pixels] = 1
     return places
 

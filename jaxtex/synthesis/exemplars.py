@@ -7,6 +7,7 @@ bidirectional texture functions on arbitrary surfaces", SIGGRAPH 2002).
 """
 
 import dataclasses
+from collections.abc import Iterator
 from functools import partial
 
 import jax
@@ -22,6 +23,8 @@ _DIMENSIONS = 24  # of 147 at radius 3: hardly anything is lost
 _SPREAD = 0.5  # of the radius: standard deviation of the weight of a neighbourhood's pixels
 _SIMILAR = 6  # places kept for each
 _BATCH = 1 << 22  # floats at a time
+_LARGE_BATCH = 1 << 25
+_CANDIDATES = 1 << 12  # places that all others are compared with, at most
 
 Floats = npt.NDArray[np.float32]
 Bools = npt.NDArray[np.bool_]
@@ -88,12 +91,22 @@ def neighbourhood_weights(radius: int) -> Floats:
     return np.sqrt(weights / weights.sum()).ravel().astype(np.float32)
 
 
-def look_around(picture: Floats, radius: int) -> Floats:
-    """The neighbourhoods of all pixels, [row * col, tap, channel]; beyond a border is what is at it."""
+def look_around(picture: Floats, radius: int, places: npt.NDArray[np.integer] | None = None) -> Floats:
+    """The neighbourhoods of all pixels, or of those at some places (row * columns + column): [place, tap, channel].
+    Beyond a border is what is at it."""
     padded = np.pad(picture, [(radius, radius), (radius, radius), (0, 0)], mode="edge")
     side = 2 * radius + 1
     windows = np.lib.stride_tricks.sliding_window_view(padded, (side, side), axis=(0, 1))
-    return np.moveaxis(windows, 2, -1).reshape(-1, side * side, picture.shape[2])
+    rows, columns, channels = picture.shape
+    row, column = np.divmod(np.arange(rows * columns) if places is None else places, columns)
+    return np.moveaxis(windows[row, column], 1, -1).reshape(len(row), side * side, channels)
+
+
+def choose_candidates(valid: Bools) -> npt.NDArray[np.intp]:
+    """Valid places, row * columns + column: all of them, or of very many some that are evenly spread."""
+    places = np.flatnonzero(valid)
+    count = min(len(places), _CANDIDATES)
+    return places[np.arange(count) * len(places) // max(count, 1)]
 
 
 def halve(picture: Floats, known: Bools) -> Floats:
@@ -136,25 +149,29 @@ def _valid_places(usable: Bools, radius: int) -> Bools:
 
 def _project(picture: Floats, valid: Bools, radius: int) -> tuple[Array, Array]:
     """Principal components of the valid neighbourhoods, and those of all places."""
-    values = (look_around(picture, radius) * neighbourhood_weights(radius)[:, None]).reshape(valid.size, -1)
-    seen = values[valid.ravel()]
-    mean = seen.mean(axis=0, dtype=np.float64).astype(np.float32)
-    covariance = sum(
-        (part - mean).T.astype(np.float64) @ (part - mean).astype(np.float64)
-        for part in np.array_split(seen, -(-seen.size // _BATCH))
-    )
+    weights = neighbourhood_weights(radius)[:, None]
+    numbers = len(weights) * picture.shape[2]
+
+    def parts(places: npt.NDArray[np.intp]) -> Iterator[Floats]:
+        for part in np.array_split(places, -(-len(places) * numbers // _LARGE_BATCH)):
+            yield (look_around(picture, radius, part) * weights).reshape(len(part), numbers)
+
+    seen = np.flatnonzero(valid)
+    mean = (sum(part.sum(axis=0, dtype=np.float64) for part in parts(seen)) / len(seen)).astype(np.float32)
+    covariance = sum((part - mean).T.astype(np.float64) @ (part - mean).astype(np.float64) for part in parts(seen))
     basis = np.linalg.eigh(covariance)[1][:, ::-1][:, :_DIMENSIONS].astype(np.float32)
-    return jnp.asarray(basis), jnp.asarray(values @ basis)
+    features = np.concatenate([part @ basis for part in parts(np.arange(valid.size))])
+    return jnp.asarray(basis), jnp.asarray(features)
 
 
 def _find_similar(features: Array, valid: Bools, coarser: ExemplarLevel | None) -> Array:
-    """Among all places at the coarsest level; then among those that are below the similar ones of the coarser level,
-    and their neighbours."""
+    """Among all places at the coarsest level, if they are not very many; then among those that are below the similar
+    ones of the coarser level, and their neighbours."""
     rows, columns = valid.shape
     if coarser is None:
-        candidates = np.broadcast_to(np.flatnonzero(valid), (1, int(valid.sum())))
+        candidates = choose_candidates(valid)[None]
     else:
-        row, column = (each.ravel()[:, None] for each in np.indices(valid.shape))
+        row, column = (each.ravel()[:, None] for each in np.indices(valid.shape, np.int32))
         above = np.asarray(coarser.similar)[(row // 2 * coarser.valid.shape[1] + column // 2)[:, 0]]
         down = 2 * (above // coarser.valid.shape[1]) + row % 2
         right = 2 * (above % coarser.valid.shape[1]) + column % 2

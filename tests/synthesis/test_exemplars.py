@@ -8,6 +8,7 @@ import pytest
 from jaxtex.synthesis.exemplars import (
     ExemplarLevel,
     analyse_levels,
+    choose_candidates,
     halve,
     halve_mask,
     look_around,
@@ -83,6 +84,8 @@ def test_neighbourhoods_are_in_scanline_order() -> None:
     for row, column, tap in np.ndindex(4, 5, 9):
         at = min(max(row + tap // 3 - 1, 0), 3), min(max(column + tap % 3 - 1, 0), 4)
         np.testing.assert_array_equal(seen[row * 5 + column, tap], pixels[at])
+    some = np.array([7, 0, 19, 7])
+    np.testing.assert_array_equal(look_around(pixels, 1, some), seen[some])
 
 
 @cache
@@ -209,6 +212,18 @@ def test_at_finer_levels_they_are_nearly_the_nearest() -> None:
     assert (found >= best * (1 - 1e-4)).all()
     assert np.median(found / best) < 1.5
     assert np.median(found) < 0.2 * np.median(distances)
+
+
+def test_candidates_are_valid_and_spread_over_all() -> None:
+    valid = np.random.default_rng(0).random((200, 150)) > 0.3
+    chosen = choose_candidates(valid)
+    assert len(chosen) == len(np.unique(chosen)) == 2**12
+    assert valid.ravel()[chosen].all()
+    shares = np.histogram(chosen, bins=8, range=(0, valid.size))[0] / len(chosen)
+    np.testing.assert_allclose(shares, 1 / 8, atol=0.01)
+    few = valid[:60, :60]
+    np.testing.assert_array_equal(choose_candidates(few), np.flatnonzero(few))
+    assert len(choose_candidates(np.zeros((5, 5), bool))) == 0
 
 
 def test_where_nothing_else_is_the_place_itself_stands_again() -> None:
