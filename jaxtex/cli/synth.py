@@ -68,7 +68,8 @@ class Synth:
     """Side of the squares of pixels that are compared, an odd number. By default 7 (coherence), 5 (ashikhmin), 9
     (wei-levoy), 11 (efros-leung)."""
     block: Annotated[int | None, tyro.conf.arg(help_behavior_hint="")] = None
-    """quilting: side of its blocks in pixels. By default a quarter of the exemplar's."""
+    """quilting: side of its blocks in pixels. By default a quarter of the exemplar's shorter side, at most 104
+    in colour."""
     tileable: bool = False
     """Make it repeat seamlessly; coherence and heeger-bergen always do."""
     similar: Annotated[int | None, tyro.conf.arg(help_behavior_hint="")] = None

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from jaxtex.cli.progress import reporting
-from jaxtex.cli.synth_methods import encode, start_method
+from jaxtex.cli.synth_methods import encode, start_method, white_of
+from jaxtex.cli.values import check_memory
 from jaxtex.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ _MOST_PASSES = 1000
 _MOST_SIMILAR = 64
 _MOST_LEVELS = 8
 _WIDEST_BLEND = 16
-_DEEP = (".png", ".tif", ".tiff")  # formats of 16 bits
+_LEAST_MEMORY = 64  # bytes that each pixel of the result takes, whatever the method
 
 Rectangle = tuple[float, float, float, float]
 
@@ -50,9 +51,11 @@ def make_of_copies(options: "Synth", size: tuple[int, int] | None, rectangles: l
 
     from jaxtex.io.copies import write_copies
 
+    if size is not None:
+        check_memory(size, _LEAST_MEMORY * size[0] * size[1])
     exemplar = _read_exemplar(options.exemplar, rectangles)
     maps = _name_maps(options, exemplar)
-    steps = start_method(options, exemplar.encoded, size, jax.random.key(options.seed))
+    steps = start_method(options, exemplar.encoded, exemplar.white, size, jax.random.key(options.seed))
     sources = _watch(options, exemplar, steps)
     rows, columns = np.moveaxis(sources + np.array(exemplar.corner), -1, 0)
     tileable = options.tileable or (options.method == "coherence" and options.inpaint is None)
@@ -94,13 +97,12 @@ def _check_numbers(options: "Synth") -> None:
 
 
 def _read_exemplar(path: Path, rectangles: list[Rectangle]) -> _Exemplar:
-    from jaxtex.core.colour import linear_to_srgb
     from jaxtex.io.images import read_image
 
     image = read_image(path)
     size = image.width, image.height
     pixels = encode(image.pixels, image.alpha)
-    white = max(1.0, float(linear_to_srgb(image.pixels.max())))
+    white = white_of(image.pixels)
     if not rectangles:
         return _Exemplar(pixels, white, (0, 0), size)
     x, y, width, height = rectangles[0]
@@ -119,6 +121,8 @@ def _name_maps(options: "Synth", exemplar: _Exemplar) -> list[tuple[Path, Path]]
     check_copies(options.exemplar, options.output)
     if options.preview is not None:
         check_copies(options.exemplar, options.preview)
+        if options.preview.resolve() in {each.resolve() for each in (options.exemplar, *options.also)}:
+            raise InputError(f"--preview: {options.preview} would be written over; give another name")
     maps: list[tuple[Path, Path]] = []
     for path in options.also:
         height, width = read_raster(path).numbers.shape[:2]
@@ -128,8 +132,11 @@ def _name_maps(options: "Synth", exemplar: _Exemplar) -> list[tuple[Path, Path]]
         output = options.output.with_name(f"{options.output.stem}_{path.stem}{path.suffix}")
         if output in [each for _, each in maps]:
             raise InputError(f"--also: two maps would be written to {output}; rename one of them")
-        if {output.resolve(), options.output.resolve()} & {each.resolve() for each in options.also}:
-            raise InputError(f"--also: {path} or another map would be written over; give another --output")
+        inputs = {each.resolve() for each in options.also}
+        if options.output.resolve() in inputs or output.resolve() in {options.exemplar.resolve(), *inputs}:
+            raise InputError(
+                f"--also: {path}, another map or the exemplar would be written over; give another --output"
+            )
         check_copies(path, output)
         maps.append((path, output))
     return maps
@@ -174,10 +181,9 @@ def _colours_of(exemplar: _Exemplar, encoded: "np.ndarray") -> "np.ndarray":
 
 def _write_blended(options: "Synth", exemplar: _Exemplar, sources: "Sources", width: float, tileable: bool) -> None:
     """Blended as it looks; colours under alpha have been multiplied by it."""
-    from jaxtex.io.images import write_image
+    from jaxtex.io.copies import write_as_deep
     from jaxtex.io.raster import read_raster
     from jaxtex.synthesis.sources import blend_seams
 
     blended = blend_seams(exemplar.encoded, sources, width=width, repeats=tileable)
-    deep = read_raster(options.exemplar).numbers.dtype.name == "uint16" and options.output.suffix.lower() in _DEEP
-    write_image(options.output, _colours_of(exemplar, blended), bits=16 if deep else None)
+    write_as_deep(read_raster(options.exemplar), options.output, _colours_of(exemplar, blended))

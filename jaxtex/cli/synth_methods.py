@@ -17,13 +17,14 @@ _NEIGHBORHOODS = {"coherence": 7, "ashikhmin": 5, "wei-levoy": 9, "efros-leung":
 
 
 def start_method(
-    options: "Synth", exemplar: "np.ndarray", size: tuple[int, int] | None, key: "Array"
+    options: "Synth", exemplar: "np.ndarray", white: float, size: tuple[int, int] | None, key: "Array"
 ) -> Iterator["Step"]:
     """The method's steps, none of them done yet.
 
     Args:
         options: of the command, their numbers checked.
         exemplar: [row, col, channel], encoded.
+        white: the encoded value that is 1 there.
         size: (width, height), if the user gave one.
         key: random key.
 
@@ -40,7 +41,7 @@ def start_method(
     if options.inpaint is not None:
         return _start_inpainting(options, options.inpaint, exemplar, side // 2, key)
     if options.method == "ashikhmin":
-        return _start_ashikhmin(options, exemplar, size, side // 2, key)
+        return _start_ashikhmin(options, exemplar, white, size, side // 2, key)
     if options.method == "coherence":
         return _start_coherence(options, exemplar, size, side // 2, key)
     shape = (size[1], size[0]) if size else (height, width)
@@ -53,18 +54,27 @@ def start_method(
     return _start_wei_levoy(options, exemplar, shape, side // 2, key)
 
 
-def encode(pixels: "np.ndarray", alpha: "np.ndarray | None") -> "np.ndarray":
-    """Values of about even visibility, 0 to 1, of pictures of any range; transparent pixels are all alike."""
+def encode(pixels: "np.ndarray", alpha: "np.ndarray | None", *, white: float | None = None) -> "np.ndarray":
+    """Values of about even visibility, 0 to 1, of pictures of any range; transparent pixels are all alike.
+
+    What `white` encodes becomes 1: unless given, the picture's own.
+    """
     import numpy as np
 
     from jaxtex.core.colour import linear_to_srgb
 
-    encoded = linear_to_srgb(np.maximum(pixels, 0))
-    encoded = encoded / max(1.0, float(encoded.max()))
+    encoded = linear_to_srgb(np.maximum(pixels, 0)) / (white or white_of(pixels))
     if alpha is None or alpha.min() == 1:
         return encoded.astype(np.float32)
     cover = alpha[..., None]
     return np.concatenate([encoded * cover, cover], axis=2).astype(np.float32)
+
+
+def white_of(*pictures: "np.ndarray") -> float:
+    """The largest encoded value of pictures in linear light, at least 1."""
+    from jaxtex.core.colour import linear_to_srgb
+
+    return max(1.0, *(float(linear_to_srgb(each.max())) for each in pictures))
 
 
 def _start_coherence(
@@ -75,7 +85,9 @@ def _start_coherence(
 
     if options.guide is None:
         return coherence_steps(exemplar, _shape_of(size, exemplar), key=key, radius=radius)
-    ours, theirs = (encode(image.pixels, image.alpha) for image in map(read_image, options.guide))
+    guides = [read_image(path) for path in options.guide]
+    both = white_of(*(image.pixels for image in guides))
+    ours, theirs = (encode(image.pixels, image.alpha, white=both) for image in guides)
     if ours.shape[:2] != exemplar.shape[:2]:
         raise InputError(f"--guide: {options.guide[0]} is {_told(ours)} pixels, and the exemplar is {_told(exemplar)}")
     if ours.shape[2] != theirs.shape[2]:
@@ -87,7 +99,7 @@ def _start_coherence(
 
 
 def _start_ashikhmin(
-    options: "Synth", exemplar: "np.ndarray", size: tuple[int, int] | None, radius: int, key: "Array"
+    options: "Synth", exemplar: "np.ndarray", white: float, size: tuple[int, int] | None, radius: int, key: "Array"
 ) -> Iterator["Step"]:
     from jaxtex.synthesis.ashikhmin import ashikhmin_steps
     from jaxtex.synthesis.nearest import find_similar
@@ -97,7 +109,7 @@ def _start_ashikhmin(
         similar = find_similar(exemplar, radius=radius, count=options.similar)
     shape, target, painted = _shape_of(size, exemplar), None, None
     if options.target is not None:
-        target, painted = _read_target(options.target, exemplar)
+        target, painted = _read_target(options.target, exemplar, white)
         _check_size("--target", options.target, target, size)
         shape = target.shape[:2]
     return ashikhmin_steps(
@@ -119,7 +131,7 @@ def _start_quilting(options: "Synth", exemplar: "np.ndarray", shape: tuple[int, 
     try:
         return quilting_steps(exemplar, shape, key=key, block=options.block, tileable=options.tileable)
     except ValueError as error:
-        raise InputError(f"--block: {error}") from None
+        raise InputError(str(error) if options.block is None else f"--block: {error}") from None
 
 
 def _start_wei_levoy(
@@ -128,11 +140,11 @@ def _start_wei_levoy(
     from jaxtex.synthesis.wei_levoy import wei_levoy_steps
 
     try:
-        yield from wei_levoy_steps(
+        return wei_levoy_steps(
             exemplar, shape, key=key, radius=radius, levels=options.levels or 1, search=options.search or "full"
         )
     except ValueError as error:
-        raise InputError(f"--levels: {error}") from None
+        raise InputError(str(error) if options.levels is None else f"--levels: {error}") from None
 
 
 def _start_inpainting(
@@ -158,7 +170,7 @@ def _start_inpainting(
         raise InputError(f"--inpaint: {mask}: {error}") from None
 
 
-def _read_target(path: Path, exemplar: "np.ndarray") -> tuple["np.ndarray", "np.ndarray"]:
+def _read_target(path: Path, exemplar: "np.ndarray", white: float) -> tuple["np.ndarray", "np.ndarray"]:
     """The painting in the exemplar's channels, and where it is painted."""
     import numpy as np
 
@@ -166,7 +178,7 @@ def _read_target(path: Path, exemplar: "np.ndarray") -> tuple["np.ndarray", "np.
 
     image = read_image(path)
     painted = np.ones((image.height, image.width), bool) if image.alpha is None else image.alpha >= 0.5
-    target = encode(image.pixels, None)
+    target = np.minimum(encode(image.pixels, None, white=white), 1)
     channels = exemplar.shape[2]
     if channels in (2, 4):
         raise InputError("--target: goes with an opaque exemplar; save the exemplar without its transparency")

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from jaxtex.cli.values import check_memory
 from jaxtex.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -30,14 +31,15 @@ def make_of_noise(
 
     from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
     from jaxtex.io.images import read_image, writing_image
-    from jaxtex.synthesis.heeger_bergen import analyse_texture, synthesise_texture
+    from jaxtex.synthesis.heeger_bergen import analyse_texture, estimate_memory, synthesise_texture
 
     exemplar = read_image(options.exemplar)
     regions = _cut_regions(exemplar, rectangles)
     seen_height, seen_width = regions.shape[1:3]
     width, height = size or (seen_width * 2**finer, seen_height * 2**finer)
     _check_scales(scales, finer, (seen_height, seen_width), (height, width))
-    _check_memory((height, width), orientations, regions.shape[3])
+    needed = estimate_memory((height, width), orientations=orientations, channels=regions.shape[3])
+    check_memory((width, height), needed)
     with writing_image(options.output, size=(width, height), channels=regions.shape[3]) as write_rows:
         # Matched as sRGB-encoded values, whose steps are about equally visible.
         statistics = analyse_texture(linear_to_srgb(regions), scales=scales, orientations=orientations)
@@ -93,25 +95,3 @@ def _cut_regions(exemplar: "Image", rectangles: list[tuple[float, float, float, 
     if len(sizes) > 1:
         raise InputError(f"--region: sizes are {', '.join(sizes)}; give all regions one size")
     return np.stack(regions)
-
-
-def _check_memory(shape: tuple[int, int], orientations: int, channels: int) -> None:
-    """Refuse what needs more memory than this machine has."""
-    from jaxtex.synthesis.heeger_bergen import estimate_memory
-
-    needed, there = estimate_memory(shape, orientations=orientations, channels=channels), _physical_memory()
-    if needed > there:
-        raise InputError(
-            f"--size: {shape[1]}x{shape[0]} takes {needed / 2**30:.1f} GiB of memory, and this machine has "
-            f"{there / 2**30:.1f}; make a smaller picture, which may be repeated without a seam"
-        )
-
-
-def _physical_memory() -> int:
-    """Bytes; where the system does not tell, 16 GiB."""
-    import os
-
-    try:
-        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, ValueError, OSError):
-        return 16 * 2**30

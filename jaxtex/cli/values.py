@@ -195,3 +195,31 @@ def check_seed(seed: int) -> int:
     if not 0 <= seed < 2**32:
         raise InputError(f"--seed: {seed} is out of range; give a whole number from 0 to {2**32 - 1}")
     return seed
+
+
+def check_memory(size: tuple[int, int], needed: int) -> None:
+    """Refuse what needs more memory than this machine has.
+
+    Args:
+        size: (width, height) that the user asks for.
+        needed: bytes.
+
+    Raises:
+        InputError: it does.
+    """
+    there = _physical_memory()
+    if needed > there:
+        raise InputError(
+            f"--size: {size[0]}x{size[1]} takes {needed / 2**30:.1f} GiB of memory, and this machine has "
+            f"{there / 2**30:.1f}; make a smaller picture"
+        )
+
+
+def _physical_memory() -> int:
+    """Bytes; where the system does not tell, 16 GiB."""
+    import os
+
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):
+        return 16 * 2**30

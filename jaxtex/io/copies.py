@@ -38,6 +38,30 @@ def check_copies(picture: Path | str, output: Path | str) -> None:
         raise InputError(f"{output}: a JPEG file has no alpha, which {picture} has; write a .png file")
 
 
+def write_as_deep(raster: Raster, output: Path | str, pixels: np.ndarray) -> None:
+    """Write a picture as `write_image` does, with the depth of another one, as far as the format can hold it.
+
+    Args:
+        raster: the other one.
+        output, pixels: as `write_image` takes them.
+
+    Raises:
+        InputError: as `write_image`.
+
+    Examples:
+        >>> write_image("deep.png", np.zeros((1, 1)), bits=16)
+        >>> write_as_deep(read_raster("deep.png"), "made.tif", np.ones((2, 2)))
+        >>> read_raster("made.tif").numbers.dtype
+        dtype('uint16')
+    """
+    held = _HOLDS.get(Path(output).suffix.lower(), ())
+    if not raster.integer and {"uint16", "float32"} <= set(held):
+        write_image(output, pixels, colour_space="linear", bits="float")
+    else:
+        deep = raster.integer and raster.numbers.dtype != np.uint8 and "uint16" in held
+        write_image(output, pixels, bits=16 if deep else None)
+
+
 def write_copies(picture: Path | str, output: Path | str, rows: np.ndarray, columns: np.ndarray) -> None:
     """Write a picture made of another one's pixels, whole or not at all.
 
@@ -68,8 +92,7 @@ def write_copies(picture: Path | str, output: Path | str, rows: np.ndarray, colu
     if not _holds(output.suffix.lower(), raster, picture.suffix.lower()):
         image = read_image(picture)
         pixels = image.pixels if image.alpha is None else np.concatenate([image.pixels, image.alpha[..., None]], axis=2)
-        deep = raster.integer and raster.numbers.dtype != np.uint8 and "uint16" in _HOLDS.get(output.suffix.lower(), ())
-        write_image(output, pixels[rows, columns], bits=16 if deep else None)
+        write_as_deep(raster, output, pixels[rows, columns])
         return
     kind = {"float32": "float"}.get(raster.numbers.dtype.name, raster.numbers.dtype.name)
     with writing_raster(

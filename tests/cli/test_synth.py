@@ -288,6 +288,14 @@ class TestTargets:
         assert made[:, :38].mean() < 0.15
         assert made[:, 42:].mean() > 0.45
 
+    def test_targets_of_bright_exemplars_are_no_brighter_than_they_look(self, grey: Path) -> None:
+        bright = grey.with_name("bright.exr")
+        write_image(bright, 4 * read_image(grey).pixels)
+        target, output = grey.with_name("target.exr"), grey.with_name("made.exr")
+        write_image(target, np.full((32, 40), 0.5))
+        assert synth(bright, "-o", output, *self.words, "--target", target) == 0
+        assert read_image(output).pixels.mean() == pytest.approx(0.5, rel=0.3)
+
     def test_what_is_transparent_is_not_painted(self, grey: Path) -> None:
         target, empty, plain = (grey.with_name(name) for name in ("target.png", "empty.png", "plain.png"))
         self.paint(target, 0.0)
@@ -482,6 +490,14 @@ class TestBlending:
         for name in ("made.exr", "seen.exr"):
             assert read_image(exemplar.with_name(name)).pixels.mean() == pytest.approx(10, rel=0.1)
 
+    def test_floats_stay_floats(self, exemplar: Path) -> None:
+        source, output = exemplar.with_name("sun.tif"), exemplar.with_name("made.tif")
+        write_image(source, 20 * np.random.default_rng(0).random((32, 32, 3)), colour_space="linear", bits="float")
+        words = ["--method", "quilting", "--blend", "0.4", "--size", "32x32"]
+        assert synth(source, "-o", output, *words) == 0
+        assert read_raster(output).numbers.dtype == np.float32
+        assert read_image(output).pixels.mean() == pytest.approx(10, rel=0.1)
+
     def test_alpha_is_blended_too(self, exemplar: Path) -> None:
         pixels = np.full((32, 32, 4), 0.5)
         pixels[..., 3] = np.random.default_rng(0).random((32, 32)) > 0.5
@@ -501,6 +517,8 @@ class TestBlending:
         (["--size", "0x64"], "--size: '0x64' is no size"),
         (["--size", "64"], "--size: '64' is no size"),
         ([*NOISE, "--size", "900000x900000"], "--size: 900000x900000 takes"),
+        (["--size", "900000x900000"], "--size: 900000x900000 takes"),
+        (["--preview", "exemplar.png"], "--preview: exemplar.png would be written over"),
         ([*NOISE, "--size", "60x64"], "--size: 60x64 holds 3 scales, not 4; give 64 pixels"),
         ([*NOISE, "--size", "64x64", "--finer", "1"], "holds 4 scales, not 4 and 1 finer; give 128 pixels"),
         (
@@ -562,7 +580,7 @@ class TestBlending:
         (["--method", "wei-levoy", "--levels", "5"], "--levels: "),
         (["--method", "quilting", "--block", "1"], "--block: 1 is out of range; give 2 or more"),
         (["--method", "quilting", "--block", "65"], "--block: block of 65 pixels: give 2 to 64"),
-        (["--method", "quilting", "--tileable", "--size", "1x9"], "cannot be tileable; give at least 2 rows"),
+        (["--method", "quilting", "--tileable", "--size", "1x9"], "error: shape: (9, 1) cannot be tileable"),
     ],
 )
 def test_what_cannot_be_done_is_told_in_one_line(
@@ -576,6 +594,16 @@ def test_what_cannot_be_done_is_told_in_one_line(
     assert captured.err.count("\n") == 1
     assert captured.out == ""
     assert names(exemplar.parent) == [exemplar.name]
+
+
+def test_the_exemplar_is_not_written_over_by_another_map(exemplar: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    colours = exemplar.rename(exemplar.with_name("tile_normal.png"))
+    write_image(exemplar.with_name("normal.png"), np.zeros((64, 70)))
+    before = colours.read_bytes()
+    words = ["-o", exemplar.with_name("tile.png"), "--also", exemplar.with_name("normal.png")]
+    assert synth(colours, *words) == 2
+    assert "would be written over" in capsys.readouterr().err
+    assert colours.read_bytes() == before
 
 
 def test_an_opaque_format_is_told_before_the_work(exemplar: Path, capsys: pytest.CaptureFixture[str]) -> None:
