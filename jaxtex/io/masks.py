@@ -31,7 +31,7 @@ def read_mask(path: Path | str) -> np.ndarray:
         raise InputError(f"{path}: is partly transparent and so no mask; fill its ground with white or black")
     # Lossy files of grey pictures differ between channels by a level or two.
     if np.ptp(values, axis=-1).max() > 4 / 255:
-        raise InputError(f"{path}: is coloured and so no mask; a mask is white on tiles and black on joints")
+        raise InputError(f"{path}: is coloured and so no mask; a mask is white, grey and black alone")
     mask = values.mean(axis=-1)
     if mask.min() < 0 or mask.max() > 1:
         raise InputError(
