@@ -24,6 +24,7 @@ import numpy.typing as npt
 from jax import Array
 
 from jaxtex.core.compiling import SAME_EVERY_TIME
+from jaxtex.synthesis.neighbourhoods import check_picture
 
 _BINOMIAL = np.array([1, 4, 6, 4, 1], np.float32) / 16
 
@@ -104,12 +105,7 @@ def check_pictures(
     Raises:
         ValueError: an array of another form, NaN or infinite values, different numbers of channels.
     """
-    first, second = np.asarray(exemplar, np.float32), np.asarray(texture, np.float32)
-    for name, picture in (("exemplar", first), ("texture", second)):
-        if picture.ndim != 3 or 0 in picture.shape:
-            raise ValueError(f"{name} of shape {picture.shape}: give [row, col, channel], none of them empty")
-        if not np.isfinite(picture).all():
-            raise ValueError(f"{name}: some values are NaN or infinite")
+    first, second = check_picture(exemplar, "exemplar"), check_picture(texture, "texture")
     if first.shape[2] != second.shape[2]:
         raise ValueError(f"{first.shape[2]} and {second.shape[2]} channels cannot be compared; give as many of both")
     return first, second

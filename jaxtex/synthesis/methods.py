@@ -16,11 +16,10 @@ from jaxtex.synthesis.ashikhmin import synthesise_ashikhmin
 from jaxtex.synthesis.coherence import synthesise_coherence
 from jaxtex.synthesis.efros_leung import synthesise_efros_leung
 from jaxtex.synthesis.heeger_bergen import analyse_texture, synthesise_texture
+from jaxtex.synthesis.neighbourhoods import Shape
 from jaxtex.synthesis.quilting import synthesise_quilting
 from jaxtex.synthesis.sources import Sources, copy_sources
 from jaxtex.synthesis.wei_levoy import synthesise_wei_levoy
-
-Shape = tuple[int, int]
 
 _SCALES = 4
 

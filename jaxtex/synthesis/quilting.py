@@ -71,7 +71,8 @@ def synthesise_quilting(
         shape: (rows, columns) of the texture, any.
         key: random key; another key, another piece of the same texture.
         block: side of a block in pixels: larger than the texture's largest features, and at most 104 of 3 channels,
-            (2^15 / channels)^1/2 in general. As it is not said, a quarter of the exemplar's smaller side.
+            (2^15 / channels)^1/2 in general. As it is not said, a quarter of the exemplar's smaller side, or the
+            largest there can be.
         overlap: of neighbouring blocks, in pixels, at most half a block. As it is not said, a sixth of a block.
         tolerance: blocks are drawn from among those whose squared difference from what they overlap is at most
             1 + tolerance times the least.
