@@ -130,10 +130,10 @@ def inpaint_coherence(picture: npt.ArrayLike, hole: npt.ArrayLike, *, key: Array
 
 def inpaint_steps(picture: npt.ArrayLike, hole: npt.ArrayLike, *, key: Array, radius: int = 3) -> Iterator[Step]:
     """The same step by step, with the source map so far."""
-    pixels = check_exemplar(picture, radius)
-    known = ~np.asarray(hole, bool)
+    pixels, known = np.asarray(picture, np.float32), ~np.asarray(hole, bool)
     if known.shape != pixels.shape[:2]:
         raise ValueError(f"hole of shape {known.shape}: give the picture's, {pixels.shape[:2]}")
+    pixels = check_exemplar(np.where(known[..., None], pixels, 0) if pixels.ndim == 3 else pixels, radius)
     levels = analyse_levels(pixels, known, radius=radius, coarsest=_COARSEST)
     return _refine(levels, np.zeros((*known.shape, 0), np.float32), known, key=key, radius=radius, wrap=False)
 
@@ -164,7 +164,7 @@ def _refine(
         if not first:
             places = _double(places, levels[number + 1], level, kept.shape)
         if kept.any():
-            places = np.where(kept, np.arange(kept.size).reshape(kept.shape), places)
+            places = np.where(kept, np.arange(kept.size, dtype=np.int32).reshape(kept.shape), places)
         for _ in range(first_passes if first else _PASSES):
             places = _correct(level, places, guide, kept, radius, wrap, first and guided)
             done += 1
@@ -243,7 +243,7 @@ def _double(
     places: npt.NDArray[np.int32], coarse: ExemplarLevel, fine: ExemplarLevel, shape: tuple[int, int]
 ) -> npt.NDArray[np.int32]:
     """Places of the next finer level: below those of the coarser one."""
-    row, column = np.indices(shape)
+    row, column = np.indices(shape, np.int32)
     above = places[row // 2, column // 2]
     rows, columns = fine.valid.shape
     down = np.minimum(2 * (above // coarse.valid.shape[1]) + row % 2, rows - 1)
@@ -255,13 +255,13 @@ def _magnify(
     places: npt.NDArray[np.int32], level: ExemplarLevel, finest: ExemplarLevel, shape: tuple[int, int], octaves: int
 ) -> Sources:
     """The source map at full resolution that goes with places of a level."""
-    row, column = np.indices(shape)
+    row, column = np.indices(shape, np.int32)
     times = 2**octaves
     above = places[row // times, column // times]
     down = times * (above // level.valid.shape[1]) + row % times
     right = times * (above % level.valid.shape[1]) + column % times
-    limits = np.array(finest.valid.shape) - 1
-    return np.minimum(np.stack([down, right], axis=-1), limits).astype(np.int32)
+    limits = np.array(finest.valid.shape, np.int32) - 1
+    return np.minimum(np.stack([down, right], axis=-1), limits)
 
 
 def _correct(

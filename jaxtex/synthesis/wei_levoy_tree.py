@@ -19,15 +19,16 @@ class Tree(eqx.Module):
 
     Attributes:
         codewords: [node, component].
-        children: the two nodes below each, both 0 at leaves, [node, 2].
+        children: the two nodes below each, both 0 at leaves, [node, 2]. Nodes that none leads to fill up the arrays, so
+            that their shapes, which functions are compiled for, do not depend on the vectors.
         members: the vector that each node stands for, [node].
-        depth: the most steps from the root to a leaf.
+        depth: the most steps from the root to a leaf, [].
     """
 
     codewords: Array
     children: Array
     members: Array
-    depth: int = eqx.field(static=True)
+    depth: Array
 
     def descend(self, queries: Array, weight: Array) -> Array:
         """The member that each query leads to, [query].
@@ -80,7 +81,7 @@ def grow_tree(vectors: npt.NDArray[np.int32]) -> Tree:
         several = sizes > 1
         points, nodes, sizes = points[np.repeat(several, sizes)], below[several], sizes[several]
         count, depth = count + len(below), depth + 1
-    return Tree(jnp.asarray(codewords[:count]), jnp.asarray(children[:count]), jnp.asarray(members[:count]), depth)
+    return Tree(jnp.asarray(codewords), jnp.asarray(children), jnp.asarray(members), jnp.asarray(depth, jnp.int32))
 
 
 def _split(vectors: npt.NDArray[np.int32], sizes: npt.NDArray[np.int_]) -> tuple[npt.NDArray, npt.NDArray[np.bool_]]:
