@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from jaxtex.cli.synth import Synth
     from jaxtex.synthesis.sources import Step
 
+# With continuations alone, a piece that has begun never gives way to what the target asks for.
+_SIMILAR_TO_TARGET = 4
+
 _NEIGHBORHOODS = {"coherence": 7, "ashikhmin": 5, "wei-levoy": 9, "efros-leung": 11}
 
 
@@ -104,9 +107,8 @@ def _start_ashikhmin(
     from jaxtex.synthesis.ashikhmin import ashikhmin_steps
     from jaxtex.synthesis.nearest import find_similar
 
-    similar = None
-    if options.similar is not None and options.similar > 1:
-        similar = find_similar(exemplar, radius=radius, count=options.similar)
+    count = options.similar or (1 if options.target is None else _SIMILAR_TO_TARGET)
+    similar = find_similar(exemplar, radius=radius, count=count) if count > 1 else None
     shape, target, painted = _shape_of(size, exemplar), None, None
     if options.target is not None:
         target, painted = _read_target(options.target, exemplar, white)

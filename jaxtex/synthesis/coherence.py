@@ -7,9 +7,9 @@ functions on arbitrary surfaces", SIGGRAPH 2002). As in S. Lefebvre and H. Hoppe
 synthesis", SIGGRAPH 2005), whole squares are compared, at every level, and pixels that lie apart are decided together.
 
 Departures: the coarsest level does not begin with noise but with blocks of the exemplar, evenly spread over it, so that
-things are whole from the beginning and all of the exemplar is used. What remains to be done is to make blocks meet, in
-few passes: the more often what looks most alike is chosen, the more smooth places are. The texture repeats without a
-seam.
+things are whole from the beginning and all of the exemplar is used. What remains to be done is to make blocks meet;
+only where no candidate fits, all of the exemplar is searched, as textures are the smoother, the more often what looks
+most alike is chosen. The texture repeats without a seam.
 """
 
 import math
@@ -39,10 +39,11 @@ from jaxtex.synthesis.sources import Sources, Step, last_of
 _COARSEST = 32  # pixels along the shorter side of an exemplar
 _BLOCK = 11  # pixels at the coarsest level: the larger, the more is copied as it stands
 _SHIFT = 3  # pixels at the coarsest level, at most, to where a block fits best
-_PASSES, _COARSE_PASSES = 2, 3
-_GUIDED_PASSES = 8
+_PASSES, _COARSE_PASSES = 2, 6
 _SIMILAR = 4  # places of each neighbour, its own continuation among them
+_LEAP = 2.0  # times as far does a place found by looking everywhere count
 _JUMP = 1.5  # times as far does a place count that continues no neighbour: pieces stay whole
+_SEARCHED = 1 << 28  # pairs of pixel and place that are all compared, at most
 _APART = 2  # pixels, along either axis, between those that are decided together
 _AT_A_TIME = 2048  # pixels
 
@@ -152,10 +153,7 @@ def _refine(
     for _ in levels[1:]:
         guide, kept = givens[-1]
         givens.append((halve(guide, np.ones_like(kept)), halve_mask(kept)))
-    # Blocks know nothing of a guide: with one, all places are searched at first.
-    guided = guide.shape[2] > 0
-    first_passes = _GUIDED_PASSES if guided else _COARSE_PASSES
-    total, done = first_passes + _PASSES * (len(levels) - 1), 0
+    total, done = _COARSE_PASSES + _PASSES * (len(levels) - 1), 0
     guide, kept = givens[-1]
     places = _grow_inwards(levels[-1], kept, radius) if kept.any() else _lay_blocks(levels[-1], kept.shape, key, radius)
     for number in reversed(range(len(levels))):
@@ -165,8 +163,10 @@ def _refine(
             places = _double(places, levels[number + 1], level, kept.shape)
         if kept.any():
             places = np.where(kept, np.arange(kept.size, dtype=np.int32).reshape(kept.shape), places)
-        for _ in range(first_passes if first else _PASSES):
-            places = _correct(level, places, guide, kept, radius, wrap, first and guided)
+        # Blocks know nothing of a guide; with one, whatever it takes.
+        everywhere = first and (guide.shape[2] > 0 or places.size * level.valid.size <= _SEARCHED)
+        for _ in range(_COARSE_PASSES if first else _PASSES):
+            places = _correct(level, places, guide, kept, radius, wrap, everywhere)
             done += 1
             yield Step(done, total, _magnify(places, level, levels[0], givens[0][1].shape, number))
 
@@ -271,11 +271,11 @@ def _correct(
     kept: npt.NDArray[np.bool_],
     radius: int,
     wrap: bool,
-    every: bool,
+    everywhere: bool,
 ) -> npt.NDArray[np.int32]:
     """Decide all pixels anew, once."""
     arrays = (level.pixels, level.valid, level.basis, level.features, level.similar[:, :_SIMILAR])
-    return np.asarray(_decide(*arrays, places, guide, kept, radius, wrap, every))
+    return np.asarray(_decide(*arrays, places, guide, kept, radius, wrap, everywhere))
 
 
 @partial(jax.jit, static_argnums=(8, 9, 10), compiler_options=SAME_EVERY_TIME)
@@ -290,7 +290,7 @@ def _decide(
     kept: Array,
     radius: int,
     wrap: bool,
-    every: bool,
+    everywhere: bool,
 ) -> Array:
     rows, columns = valid.shape
     side, mode = 2 * radius + 1, "wrap" if wrap else "edge"
@@ -298,13 +298,16 @@ def _decide(
     colours = pixels.shape[2] - guide.shape[2]
     jump = jnp.where(jnp.arange(similar.shape[1]) > 0, _JUMP, 1.0)
     length = jnp.where(valid.ravel(), jnp.sum(features**2, axis=1), jnp.inf)
+    leap = 1.0 if guide.shape[2] else _LEAP
     steps = jnp.arange(-1, 2)
     lattice = tuple(-(-each // _APART) for each in places.shape)
 
-    def among_all(feature: Array) -> Array:
-        return jnp.argmin(length - 2 * (features @ feature))
+    def among_all(feature: Array) -> tuple[Array, Array]:
+        distance = length - 2 * (features @ feature)
+        best = jnp.argmin(distance)
+        return best, jnp.maximum(distance[best] + jnp.sum(feature**2), 0)
 
-    def among_few(feature: Array, around: Array) -> Array:
+    def among_few(feature: Array, around: Array) -> tuple[Array, Array]:
         options = similar[around]  # [row, col, similar]
         row = options // columns - steps[:, None, None]
         column = options % columns - steps[None, :, None]
@@ -312,7 +315,8 @@ def _decide(
         options = jnp.where(inside, row * columns + column, 0)
         distance = jnp.sum((features[options] - feature[None, None, None]) ** 2, axis=-1) * jump[None, None]
         distance = jnp.where(inside & valid.ravel()[options], distance, jnp.inf)
-        return options.ravel()[jnp.argmin(distance)]
+        best = jnp.argmin(distance)
+        return options.ravel()[best], distance.ravel()[best]
 
     def visit(places: Array, offset: Array) -> tuple[Array, None]:
         seen = jnp.concatenate([pixels.reshape(-1, pixels.shape[2])[places][..., :colours], guide], axis=2)
@@ -325,7 +329,11 @@ def _decide(
             at = row[index // lattice[1]], column[index % lattice[1]]
             window = lax.dynamic_slice(seen, (*at, jnp.zeros_like(at[0])), (side, side, seen.shape[2]))
             feature = (window.reshape(side * side, -1) * weights).ravel() @ basis
-            return among_all(feature) if every else among_few(feature, lax.dynamic_slice(around, at, (3, 3)))
+            near, distance = among_few(feature, lax.dynamic_slice(around, at, (3, 3)))
+            if not everywhere:
+                return near
+            far, least = among_all(feature)
+            return jnp.where(leap * least < distance, far, near)
 
         found = lax.map(decide, jnp.arange(math.prod(lattice)), batch_size=_AT_A_TIME).reshape(lattice)
         moved = places.at[row[:, None], column[None, :]].set(found.astype(places.dtype))
