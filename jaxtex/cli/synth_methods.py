@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     from jaxtex.cli.synth import Synth
     from jaxtex.synthesis.sources import Step
 
-# With continuations alone, a piece that has begun never gives way to what the target asks for.
-_SIMILAR_TO_TARGET = 4
-
 _NEIGHBORHOODS = {"coherence": 7, "ashikhmin": 5, "wei-levoy": 9, "efros-leung": 11}
 
 
@@ -107,7 +104,7 @@ def _start_ashikhmin(
     from jaxtex.synthesis.ashikhmin import ashikhmin_steps
     from jaxtex.synthesis.nearest import find_similar
 
-    count = options.similar or (1 if options.target is None else _SIMILAR_TO_TARGET)
+    count = options.similar or 1
     similar = find_similar(exemplar, radius=radius, count=count) if count > 1 else None
     shape, target, painted = _shape_of(size, exemplar), None, None
     if options.target is not None:
