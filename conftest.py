@@ -1,6 +1,9 @@
 """What holds for all tests and for the examples in docstrings."""
 
+import gc
 import os
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import hypothesis
@@ -16,6 +19,20 @@ os.environ.setdefault("JAX_NUMPY_RANK_PROMOTION", "raise")  # broadcasting over 
 # The same examples in every run, however slow the machine.
 hypothesis.settings.register_profile("jaxtex", derandomize=True, deadline=None, database=None, max_examples=30)
 hypothesis.settings.load_profile("jaxtex")
+
+
+# Each piece of compiled code takes some of a process's memory mappings, of which Linux allows 65530; a compiler that gets
+# no more of them crashes.
+_MAPPINGS = 20_000
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _compiled_code_is_let_go() -> Iterator[None]:
+    yield
+    mappings = Path("/proc/self/maps")
+    if "jax" in sys.modules and mappings.exists() and mappings.read_bytes().count(b"\n") > _MAPPINGS:
+        sys.modules["jax"].clear_caches()
+        gc.collect()
 
 
 @pytest.fixture(autouse=True)
