@@ -21,8 +21,8 @@ hypothesis.settings.register_profile("jaxtex", derandomize=True, deadline=None, 
 hypothesis.settings.load_profile("jaxtex")
 
 
-# Each piece of compiled code takes some of a process's memory mappings, of which Linux allows 65530; a compiler that gets
-# no more of them crashes.
+# Each piece of compiled code takes some of a process's memory mappings, of which Linux allows 65530; a compiler that
+# gets no more of them crashes.
 _MAPPINGS = 20_000
 
 
