@@ -130,22 +130,20 @@ def _compare(options: Compare, exemplar: "np.ndarray", shape: tuple[int, int]) -
 def _read_exemplar(path: Path, region: str | None) -> "np.ndarray":
     """What is learnt from, [row, col, channel], encoded."""
     from jaxtex.cli.synth_methods import encode
-    from jaxtex.cli.values import parse_rectangle
+    from jaxtex.cli.values import cut_rectangle, parse_rectangle
     from jaxtex.core.errors import InputError
     from jaxtex.io.images import read_image
 
     rectangle = None if region is None else parse_rectangle("--region", region)
     image = read_image(path)
-    x, y, width, height = rectangle or _middle(image.width, image.height)
-    left, top, right, bottom = (round(edge) for edge in (x, y, x + width, y + height))
-    if not (0 <= left < right <= image.width and 0 <= top < bottom <= image.height):
-        raise InputError(f"--region: {region} lies outside {path}, which is {image.width} x {image.height}")
-    if min(right - left, bottom - top) < _LEAST_SIDE:
+    size = image.width, image.height
+    inside = cut_rectangle("--region", rectangle or _middle(*size), path, size)
+    height, width = image.pixels[inside].shape[:2]
+    if min(height, width) < _LEAST_SIDE:
         raise InputError(
-            f"{path if region is None else '--region'}: {right - left} x {bottom - top} pixels are too few to learn "
-            f"from; give {_LEAST_SIDE} to a side"
+            f"{path if region is None else '--region'}: {width} x {height} pixels are too few to learn from; give "
+            f"{_LEAST_SIDE} to a side"
         )
-    inside = slice(top, bottom), slice(left, right)
     if image.alpha is not None and image.alpha[inside].min() < 1:
         raise InputError(f"{path}: is transparent where it is learnt from; give a --region that is opaque")
     return encode(image.pixels[inside], None)

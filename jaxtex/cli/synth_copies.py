@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from jaxtex.cli.progress import reporting
 from jaxtex.cli.synth_methods import encode, start_method, white_of
-from jaxtex.cli.values import check_memory
+from jaxtex.cli.values import check_memory, cut_rectangle
 from jaxtex.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -105,12 +105,8 @@ def _read_exemplar(path: Path, rectangles: list[Rectangle]) -> _Exemplar:
     white = white_of(image.pixels)
     if not rectangles:
         return _Exemplar(pixels, white, (0, 0), size)
-    x, y, width, height = rectangles[0]
-    left, top, right, bottom = (round(edge) for edge in (x, y, x + width, y + height))
-    if not (0 <= left < right <= image.width and 0 <= top < bottom <= image.height):
-        told = f"--region: {x:g},{y:g},{width:g}x{height:g}"
-        raise InputError(f"{told} lies outside {path}, which is {image.width} x {image.height}")
-    return _Exemplar(pixels[top:bottom, left:right], white, (top, left), size)
+    inside = cut_rectangle("--region", rectangles[0], path, size)
+    return _Exemplar(pixels[inside], white, (inside[0].start, inside[1].start), size)
 
 
 def _name_maps(options: "Synth", exemplar: _Exemplar) -> list[tuple[Path, Path]]:

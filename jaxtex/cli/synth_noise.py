@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from jaxtex.cli.values import check_memory
+from jaxtex.cli.values import check_memory, cut_rectangle
 from jaxtex.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -82,15 +82,13 @@ def _cut_regions(exemplar: "Image", rectangles: list[tuple[float, float, float, 
 
     whole = (0.0, 0.0, float(exemplar.width), float(exemplar.height))
     regions = []
-    for x, y, width, height in rectangles or [whole]:
-        left, top, right, bottom = (round(edge) for edge in (x, y, x + width, y + height))
-        told = f"--region: {x:g},{y:g},{width:g}x{height:g}"
-        if not (0 <= left < right <= exemplar.width and 0 <= top < bottom <= exemplar.height):
-            raise InputError(f"{told} lies outside {exemplar.path}, which is {exemplar.width} x {exemplar.height}")
-        if exemplar.alpha is not None and exemplar.alpha[top:bottom, left:right].min() < 1:
-            where = told if rectangles else str(exemplar.path)
+    for rectangle in rectangles or [whole]:
+        inside = cut_rectangle("--region", rectangle, exemplar.path, (exemplar.width, exemplar.height))
+        if exemplar.alpha is not None and exemplar.alpha[inside].min() < 1:
+            x, y, width, height = rectangle
+            where = f"--region: {x:g},{y:g},{width:g}x{height:g}" if rectangles else str(exemplar.path)
             raise InputError(f"{where} is transparent in places; learn from --region rectangles that are opaque")
-        regions.append(exemplar.pixels[top:bottom, left:right])
+        regions.append(exemplar.pixels[inside])
     sizes = sorted({f"{region.shape[1]}x{region.shape[0]}" for region in regions})
     if len(sizes) > 1:
         raise InputError(f"--region: sizes are {', '.join(sizes)}; give all regions one size")

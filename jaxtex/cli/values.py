@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from pathlib import Path
 
 from jaxtex.core.errors import InputError
 
@@ -112,6 +113,32 @@ def parse_rectangle(option: str, word: str) -> tuple[float, float, float, float]
     if min(width, height) <= 0:
         raise InputError(f"{option}: '{word}' is empty; width and height must be more than 0")
     return x, y, width, height
+
+
+def cut_rectangle(
+    option: str, rectangle: tuple[float, float, float, float], path: Path, size: tuple[int, int]
+) -> tuple[slice, slice]:
+    """The rows and columns of a picture that a rectangle covers, to the nearest pixel.
+
+    Args:
+        option: the option's name, for the complaint.
+        rectangle: (x, y, width, height), as `parse_rectangle` reads it.
+        path: the picture's file, for the complaint.
+        size: (width, height) of the picture.
+
+    Raises:
+        InputError: it covers no pixel, or lies outside the picture in part.
+
+    Examples:
+        >>> cut_rectangle("--region", (10, 20, 4, 8), Path("wall.png"), (64, 48))
+        (slice(20, 28, None), slice(10, 14, None))
+    """
+    x, y, width, height = rectangle
+    left, top, right, bottom = (round(edge) for edge in (x, y, x + width, y + height))
+    if not (0 <= left < right <= size[0] and 0 <= top < bottom <= size[1]):
+        told = f"{option}: {x:g},{y:g},{width:g}x{height:g}"
+        raise InputError(f"{told} lies outside {path}, which is {size[0]} x {size[1]}")
+    return slice(top, bottom), slice(left, right)
 
 
 def parse_finishes(option: str, words: Sequence[str]) -> dict[str, str]:

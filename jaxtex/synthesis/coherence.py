@@ -34,7 +34,7 @@ from jaxtex.synthesis.exemplars import (
     neighbourhood_weights,
 )
 from jaxtex.synthesis.neighbourhoods import check_exemplar, check_picture, check_shape
-from jaxtex.synthesis.sources import Sources, Step, last_of
+from jaxtex.synthesis.sources import Sources, Step, last_of, magnify_places
 
 _COARSEST = 32  # pixels along the shorter side of an exemplar
 _BLOCK = 11  # pixels at the coarsest level: the larger, the more is copied as it stands
@@ -168,7 +168,8 @@ def _refine(
         for _ in range(_COARSE_PASSES if first else _PASSES):
             places = _correct(level, places, guide, kept, radius, wrap, everywhere)
             done += 1
-            yield Step(done, total, _magnify(places, level, levels[0], givens[0][1].shape, number))
+            sources = magnify_places(places, level.valid.shape[1], number, givens[0][1].shape, levels[0].valid.shape)
+            yield Step(done, total, sources)
 
 
 def _lay_blocks(level: ExemplarLevel, shape: tuple[int, int], key: Array, radius: int) -> npt.NDArray[np.int32]:
@@ -249,19 +250,6 @@ def _double(
     down = np.minimum(2 * (above // coarse.valid.shape[1]) + row % 2, rows - 1)
     right = np.minimum(2 * (above % coarse.valid.shape[1]) + column % 2, columns - 1)
     return fine.nearest_valid[down * columns + right]
-
-
-def _magnify(
-    places: npt.NDArray[np.int32], level: ExemplarLevel, finest: ExemplarLevel, shape: tuple[int, int], octaves: int
-) -> Sources:
-    """The source map at full resolution that goes with places of a level."""
-    row, column = np.indices(shape, np.int32)
-    times = 2**octaves
-    above = places[row // times, column // times]
-    down = times * (above // level.valid.shape[1]) + row % times
-    right = times * (above % level.valid.shape[1]) + column % times
-    limits = np.array(finest.valid.shape, np.int32) - 1
-    return np.minimum(np.stack([down, right], axis=-1), limits)
 
 
 def _correct(

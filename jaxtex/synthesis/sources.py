@@ -32,6 +32,26 @@ def last_of(steps: Iterator[Step]) -> Sources:
     return last.sources
 
 
+def magnify_places(
+    places: npt.NDArray[np.int32], columns: int, octaves: int, shape: tuple[int, int], exemplar: tuple[int, int]
+) -> Sources:
+    """The source map at full resolution that goes with places at a coarser one.
+
+    Args:
+        places: of the exemplar at that resolution, numbered row * columns + column, [row, col].
+        columns: of the exemplar there.
+        octaves: by how many the resolution is coarser; sides are halved and rounded up.
+        shape: (rows, columns) of the source map.
+        exemplar: (rows, columns) of the exemplar at full resolution.
+    """
+    coarse = np.stack(np.divmod(places, np.int32(columns)), axis=-1)
+    row, column = np.indices(shape, np.int32)
+    fine = np.stack([row, column], axis=-1) % 2**octaves
+    return np.minimum(
+        coarse[row >> octaves, column >> octaves] * 2**octaves + fine, np.array(exemplar, np.int32) - 1
+    ).astype(np.int32)
+
+
 def copy_sources(picture: npt.ArrayLike, sources: npt.ArrayLike) -> npt.NDArray[Any]:
     """What a source map copies.
 

@@ -37,7 +37,7 @@ from jaxtex.synthesis.neighbourhoods import (
     quantise,
     square_offsets,
 )
-from jaxtex.synthesis.sources import Sources, Step, last_of
+from jaxtex.synthesis.sources import Sources, Step, last_of, magnify_places
 from jaxtex.synthesis.wavefront import Canvas, Wavefronts
 from jaxtex.synthesis.wei_levoy_tree import Tree, grow_tree
 
@@ -150,19 +150,9 @@ def _climb(
         prepared = _prepare(pyramid[level], above, radius, search)
         places = _scan(prepared, parent, pass_seed(key, level), sizes[level])
         parent = _Parent(tuple(each[places] for each in prepared.colours))
-        yield Step(levels - level, levels, _magnify(np.asarray(places), prepared.shape[1], level, sizes[0], pyramid[0]))
-
-
-def _magnify(
-    places: npt.NDArray[np.int32], columns: int, level: int, shape: Shape, exemplar: npt.NDArray[np.float32]
-) -> Sources:
-    """The source map, in the exemplar itself, of places in some level of its pyramid."""
-    coarse = np.stack(np.divmod(places, np.int32(columns)), axis=-1)
-    row, column = np.indices(shape, np.int32)
-    fine = np.stack([row, column], axis=-1) % 2**level
-    return np.minimum(
-        coarse[row >> level, column >> level] * 2**level + fine, np.array(exemplar.shape[:2], np.int32) - 1
-    )
+        whole = pyramid[0].shape[:2]
+        sources = magnify_places(np.asarray(places), prepared.shape[1], level, sizes[0], (whole[0], whole[1]))
+        yield Step(levels - level, levels, sources)
 
 
 def halve(picture: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
