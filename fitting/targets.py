@@ -14,6 +14,7 @@ from pathlib import Path
 import jax
 import numpy as np
 from scipy.ndimage import gaussian_filter
+from tables import make_table
 
 import jaxtex as jt
 from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
@@ -61,43 +62,46 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("-o", "--output", type=Path, required=True)
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seeds", type=int, default=3, help="results that figures are the means of (3)")
     options = parser.parse_args()
     options.output.mkdir(parents=True, exist_ok=True)
     names = ["pebbles_sh3", "clover_leaves", "maple_leaves", "gravel3", "pebbles_coloured"]
-    key = jax.random.key(options.seed)
-    header = [
-        "exemplar",
-        "target",
-        "untargeted",
-        *(f"pass {n + 1}" for n in range(PASSES)),
-        "falls",
-        "texture",
-        "change",
-    ]
-    lines = ["| " + " | ".join(header) + " |", "| " + " | ".join("---" for _ in header) + " |"]
+    passes = [f"pass {number + 1}" for number in range(PASSES)]
+    header = ["exemplar", "target", "untargeted", *passes, "falls", "texture, untargeted", *passes, "change"]
+    lines = []
     for name, (kind, (light, painted)) in zip(names, paint_targets().items(), strict=True):
-        path = next(options.folder.glob(f"{name}.*"))
-        exemplar = linear_to_srgb(jt.read_image(path).pixels[:CROP, :CROP])
+        exemplar = read_exemplar(options.folder, name)
         target = colour_target(exemplar, light, painted)
-        plain = jt.copy_sources(exemplar, jt.synthesise_ashikhmin(exemplar, (SIDE, SIDE), key=key))
-        steps = jt.ashikhmin_steps(exemplar, (SIDE, SIDE), key=key, target=target, painted=painted, passes=PASSES)
-        results = [jt.copy_sources(exemplar, step.sources) for step in steps]
-        near = [distance_to_target(each, target, painted) for each in (plain, *results)]
-        texture = [
-            float(jt.sliced_wasserstein(exemplar, each, key=jax.random.key(1)).total) for each in (plain, results[-1])
-        ]
+        textures = [synthesise(exemplar, target, painted, seed) for seed in range(options.seeds)]
+        near = np.mean([[distance_to_target(each, target, painted) for each in made] for made in textures], axis=0)
+        texture = np.mean([[distance_to_exemplar(each, exemplar) for each in made] for made in textures], axis=0)
         falls = all(after < before for before, after in pairwise(near))
-        change = texture[1] / texture[0] - 1
-        row = [name, kind, *(f"{each:.4f}" for each in near), "yes" if falls else "no"]
-        lines.append("| " + " | ".join([*row, f"{texture[1]:.3f}", f"{100 * change:+.0f} %"]) + " |")
-        print(lines[-1], flush=True)
+        line = [name, kind, *(f"{each:.4f}" for each in near), "yes" if falls else "no"]
+        lines.append([*line, *(f"{each:.3f}" for each in texture), f"{100 * (texture[-1] / texture[0] - 1):+.0f} %"])
+        print(*lines[-1], flush=True)
         shown = np.ones((SIDE, CROP, 3), np.float32)
         shown[:CROP] = exemplar
         seen = np.where(painted[..., None], target, 1)
-        sheet = np.concatenate([shown, seen, plain, results[0], results[-1]], axis=1)
+        plain, first, *_, last = textures[0]
+        sheet = np.concatenate([shown, seen, plain, first, last], axis=1)
         jt.write_image(options.output / f"{name}.png", srgb_to_linear(sheet))
-    (options.output / "targets.md").write_text("\n".join(lines) + "\n")
+    (options.output / "targets.md").write_text(make_table(header, lines) + "\n")
+
+
+def read_exemplar(folder: Path, name: str) -> np.ndarray:
+    return linear_to_srgb(jt.read_image(next(folder.glob(f"{name}.*"))).pixels[:CROP, :CROP])
+
+
+def synthesise(exemplar: np.ndarray, target: np.ndarray, painted: np.ndarray, seed: int) -> list[np.ndarray]:
+    """Textures without the target and with it, after each pass."""
+    key, shape = jax.random.key(seed), (SIDE, SIDE)
+    steps = jt.ashikhmin_steps(exemplar, shape, key=key, target=target, painted=painted, passes=PASSES)
+    sources = [jt.synthesise_ashikhmin(exemplar, shape, key=key), *(step.sources for step in steps)]
+    return [jt.copy_sources(exemplar, each) for each in sources]
+
+
+def distance_to_exemplar(texture: np.ndarray, exemplar: np.ndarray) -> float:
+    return float(jt.sliced_wasserstein(exemplar, texture, key=jax.random.key(1)).total)
 
 
 if __name__ == "__main__":

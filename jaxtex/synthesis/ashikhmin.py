@@ -8,9 +8,11 @@ With more candidates for each neighbour it becomes k-coherent search: X. Tong, J
 H.-Y. Shum, "Synthesis of bidirectional texture functions on arbitrary surfaces", SIGGRAPH 2002, section 4.
 
 Departures from the paper: neighbours that are not made yet have no candidates, where the paper has random ones. Later
-passes compare neighbours that no target is painted on with what the pass before has left there, which the paper leaves
-out. Outputs that repeat are made by a causal pass that ends at the borders, and passes over strips along them; the
-paper lets the first pass look around the border, which no wavefront can follow exactly.
+passes compare the lower half of squares with what the pass before has left there. A target is compared with the
+exemplar as it looks from afar, blurred by twice the radius, pixel with pixel; the paper compares it with the exemplar
+itself, in the lower half of the square, so that textures flatten with each pass. Outputs that repeat are made by a
+causal pass that ends at the borders, and passes over strips along them; the paper lets the first pass look around the
+border, which no wavefront can follow exactly.
 """
 
 from collections.abc import Iterator
@@ -22,6 +24,7 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 from jax import Array
+from scipy.ndimage import gaussian_filter
 
 from jaxtex.synthesis.coherent_pass import Exemplar, Target, first_pass, later_pass
 from jaxtex.synthesis.neighbourhoods import (
@@ -82,7 +85,8 @@ def synthesise_ashikhmin(
         similar: for k-coherence, the places that each place of the exemplar brings as candidates, (row, col), itself
             first: int32 [row, col, k, 2] of `find_similar`, made with the same radius. Without, candidates come alone.
         tileable: whether the output repeats seamlessly.
-        target: what the output should look like from afar, float [row, col, channel], as large as the output.
+        target: what the output should look like from afar, float [row, col, channel], as large as the output. Colours
+            that the exemplar, blurred, has somewhere are followed best.
         painted: where the target counts, boolean [row, col]; everywhere unless given.
         passes: after the first pass, which knows only what is above and to the left, others go over the output
             again with all neighbours known. Each comes nearer to the target.
@@ -132,14 +136,15 @@ def ashikhmin_steps(
     pixels, shape = check_exemplar(exemplar, radius), check_shape(shape)
     if passes < 1:
         raise ValueError(f"passes: {passes} are too few; give at least 1")
+    aim = _check_target(target, painted, (*shape, pixels.shape[2]))
     prepared = Exemplar(
-        colours=tuple(each.reshape(-1) for each in _pack(pixels)),
+        colours=_pack_places(pixels),
+        afar=_pack_places(gaussian_filter(pixels, (2 * radius, 2 * radius, 0))),
         similar=_check_similar(similar, pixels.shape[:2], radius),
         kept=_kept_rows(pixels.shape[0], radius) if even_rows else None,
         shape=pixels.shape[:2],
         radius=radius,
     )
-    aim = _check_target(target, painted, (*shape, pixels.shape[2]))
     former = None if start is None else jnp.asarray(_check_start(start, shape, pixels.shape[:2], radius))
     return _passes(_Plan(prepared, aim, shape, tileable, key), former, passes)
 
@@ -200,6 +205,10 @@ def _go_over(plan: _Plan, former: Array, part: _Part, seed: Array) -> Array:
 
 def _pack(pixels: npt.NDArray[np.float32]) -> tuple[Array, ...]:
     return tuple(map(jnp.asarray, pack_colours(quantise(pixels))))
+
+
+def _pack_places(pixels: npt.NDArray[np.float32]) -> tuple[Array, ...]:
+    return tuple(each.reshape(-1) for each in _pack(pixels))
 
 
 def _kept_rows(rows: int, radius: int) -> Array:

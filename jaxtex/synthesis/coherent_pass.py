@@ -32,11 +32,13 @@ from jaxtex.synthesis.wavefront import Canvas, Wavefronts
 class Exemplar(eqx.Module):
     """Attributes:
     colours: one word after another, each [place].
+    afar: the same of the exemplar as seen from afar, which is what targets ask for.
     similar: the places that each place brings as candidates, itself first, [candidate, place].
     kept: draws above this make a candidate of the row give way to a random one, uint32 [row]; absent, none do.
     """
 
     colours: tuple[Array, ...]
+    afar: tuple[Array, ...]
     similar: Array | None
     kept: Array | None
     shape: Shape = eqx.field(static=True)
@@ -95,6 +97,8 @@ def _scan(
 ) -> Array:
     """One pass over a picture of this shape.
 
+    A target weighs as much as all other pixels of a square together.
+
     Args:
         former: places [row, col] with surroundings of the radius's width, -1 where there is nothing. Without, this is
             the first pass: only the causal neighbourhood brings candidates.
@@ -106,36 +110,39 @@ def _scan(
     """
     radius, causal = exemplar.radius, causal_taps(exemplar.radius)
     fronts = Wavefronts((shape[0] + 2 * radius, shape[1] + 2 * radius), radius)
-    first, plain = former is None, former is None and target is None
-    offsets = square_offsets(radius)[: causal + 1 if plain else None]
+    first = former is None
+    offsets = square_offsets(radius)[: causal + 1 if first else None]
     aim = jax.tree.map(partial(fronts.skew, empty=0), target)
-    suggesting = slice(causal) if first else slice(None)
-    compared = slice(causal) if plain else slice(None)
+    taken = slice(causal) if first else slice(None)
 
     def compute(starts: Array, row: Array, column: Array, state: Canvas) -> Canvas:
         near = fronts.read(state.places, starts)
-        colours = [fronts.read(each, starts) for each in state.colours]
-        weight, seen = (near >= 0) & (np.arange(len(offsets)) != causal)[:, None], colours
-        if aim is not None:
-            drawn = fronts.read(aim.painted, starts) & (np.arange(len(offsets)) >= causal)[:, None]
-            seen = [jnp.where(drawn, fronts.read(t, starts), c) for t, c in zip(aim.colours, colours, strict=True)]
-            weight = weight | drawn
         word = bits(row, column)
-        known = near[suggesting]
-        places = _suggest(exemplar, known, offsets[suggesting], word, first)
+        known = near[taken]
+        places = _suggest(exemplar, known, offsets[taken], word, first)
+        each_lane = places.reshape(-1, fronts.lanes)
         distance = measure_places(
             exemplar.colours,
-            places.reshape(-1, fronts.lanes),
-            offsets[compared] @ np.array([exemplar.shape[1], 1], np.int32),
-            [each[compared] for each in seen],
-            weight[compared],
-        ).reshape(places.shape)
-        distance = jnp.where((known >= 0)[None], distance, FARTHEST)
-        best = choose_place(places.reshape(-1, fronts.lanes), distance.reshape(-1, fronts.lanes))
+            each_lane,
+            offsets[taken] @ np.array([exemplar.shape[1], 1], np.int32),
+            [fronts.read(each, starts[taken]) for each in state.colours],
+            (known >= 0) & (np.arange(len(known)) != causal)[:, None],
+        )
+        if aim is not None:
+            here = partial(fronts.read, starts=starts[causal : causal + 1])
+            distance += 2 * causal * _miss_target(exemplar, aim, each_lane, here)
+        usable = jnp.broadcast_to((known >= 0)[None], places.shape).reshape(distance.shape)
+        best = choose_place(each_lane, jnp.where(usable, distance, FARTHEST))
         best = jnp.where(jnp.any(known >= 0, axis=0), best, draw_place(draw_bits(word, 0), exemplar.shape, radius))
         return state.write(starts[causal], jnp.where(row >= 0, best, near[causal]), exemplar.colours)
 
     return fronts.unskew(fronts.run(compute, Canvas.begin(fronts, former, exemplar.colours), offsets).places)
+
+
+def _miss_target(exemplar: Exemplar, aim: Target, places: Array, read: Callable[..., Array]) -> Array:
+    """How far places [candidate, lane] are, seen from afar, from what is painted there; 0 where nothing is."""
+    wanted = [read(each) for each in aim.colours]
+    return measure_places(exemplar.afar, places, np.zeros(1, np.int32), wanted, read(aim.painted))
 
 
 def _suggest(exemplar: Exemplar, known: Array, offsets: npt.NDArray[np.int32], word: Array, first: bool) -> Array:

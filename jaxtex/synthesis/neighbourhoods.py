@@ -77,7 +77,7 @@ def check_exemplar(exemplar: npt.ArrayLike, radius: int) -> npt.NDArray[np.float
         )
     if most > 32768:
         raise ValueError(f"exemplar: {most} pixels along a side are too many; give at most 32768")
-    if side**2 * pixels.shape[2] * 255**2 >= FARTHEST:
+    if 2 * side**2 * pixels.shape[2] * 255**2 >= FARTHEST:  # of two squares: a target weighs as much as all pixels
         raise ValueError(f"radius: {radius} with {pixels.shape[2]} channels is too large; give a smaller radius")
     return pixels
 

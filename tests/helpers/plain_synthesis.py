@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import jax
 import numpy as np
+from scipy.ndimage import gaussian_filter
 
 from jaxtex.synthesis.neighbourhoods import pass_seed
 from jaxtex.synthesis.wei_levoy import coarsening, halve
@@ -46,7 +47,8 @@ class PlainAshikhmin:
         painted=None,
         even_rows=False,
     ):
-        self.levels = np.round(np.clip(exemplar, 0, 1) * 255).astype(int)
+        blurred = gaussian_filter(np.float32(exemplar), (2 * radius, 2 * radius, 0))
+        self.levels, self.afar = (np.round(np.clip(each, 0, 1) * 255).astype(int) for each in (exemplar, blurred))
         self.shape, self.key, self.radius, self.similar, self.tileable = shape, key, radius, similar, tileable
         self.target = None if target is None else np.round(np.clip(target, 0, 1) * 255).astype(int)
         self.painted = np.zeros(shape, bool) if target is None else np.ones(shape, bool) if painted is None else painted
@@ -123,12 +125,8 @@ class PlainAshikhmin:
 
     def choose(self, at: Place, seen: dict[int, Place], word: int, first: bool) -> Place:
         compared = {tap: self.levels[place] for tap, place in seen.items() if tap != self.causal}
-        for tap in range(self.causal, len(self.offsets)):
-            y, x = at[0] + self.offsets[tap][0], at[1] + self.offsets[tap][1]
-            if self.tileable and not first:
-                y, x = y % self.shape[0], x % self.shape[1]
-            if self.holds(y, x) and self.painted[y, x]:
-                compared[tap] = self.target[y, x]
+        if first:
+            compared = {tap: level for tap, level in compared.items() if tap < self.causal}
         best = None
         for tap, (y, x) in seen.items():
             candidate = (y - self.offsets[tap][0], x - self.offsets[tap][1])
@@ -141,6 +139,8 @@ class PlainAshikhmin:
                     int(((self.levels[place[0] + self.offsets[t][0], place[1] + self.offsets[t][1]] - c) ** 2).sum())
                     for t, c in compared.items()
                 )
+                if self.painted[at]:
+                    distance += 2 * self.causal * int(((self.afar[place] - self.target[at]) ** 2).sum())
                 best = min(best or (distance, place), (distance, place))
         return self.random_place(draw(word, 0)) if best is None else best[1]
 

@@ -86,13 +86,13 @@ def test_an_empty_target_changes_nothing() -> None:
         np.testing.assert_array_equal(seen.sources, expected.sources)
 
 
-def test_pixels_before_any_that_sees_paint_stay() -> None:
-    exemplar, painted = draw_exemplar(0, (9, 8), 3), np.zeros((9, 7), bool)
-    painted[6, 3] = True
-    plain = np.asarray(synthesise_ashikhmin(exemplar, (9, 7), key=KEY)).reshape(-1, 2)
-    target = np.zeros((9, 7, 3))
-    aimed = np.asarray(synthesise_ashikhmin(exemplar, (9, 7), key=KEY, target=target, painted=painted)).reshape(-1, 2)
-    first = 4 * 7 + 1  # two rows above the paint and two columns to its left
+def test_pixels_before_any_paint_stay() -> None:
+    exemplar, painted = np.random.default_rng(0).random((20, 21, 3)), np.zeros((20, 21), bool)
+    painted[6:, 3:] = True
+    plain = np.asarray(synthesise_ashikhmin(exemplar, (20, 21), key=KEY)).reshape(-1, 2)
+    target = np.zeros((20, 21, 3))
+    aimed = np.asarray(synthesise_ashikhmin(exemplar, (20, 21), key=KEY, target=target, painted=painted)).reshape(-1, 2)
+    first = 6 * 21 + 3
     np.testing.assert_array_equal(aimed[:first], plain[:first])
     assert (aimed[first:] != plain[first:]).any()
 
