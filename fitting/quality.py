@@ -3,16 +3,18 @@
     python fitting/quality.py FOLDER -o OUT
     python fitting/quality.py FOLDER -o OUT --methods quilting coherence --exemplar 128 --seeds 3
 
-Of every picture of a folder, a square from the middle is the exemplar. OUT/quality.csv has a row for each exemplar,
-method and seed; OUT/quality.md the means over seeds, and which methods come nearest how often. Distances are 0 where
-textures agree:
+Of every picture of a folder, a square at the left is the exemplar, and one at the right is held out. OUT/quality.csv
+has a row for each exemplar, method and seed; OUT/quality.md the means over seeds, and which methods come nearest how
+often. Distances are 0 where textures agree:
 
 - patches: sliced Wasserstein of patches, relative to the exemplar's contrast (`sliced_wasserstein`),
-- statistics: Portilla and Simoncelli's, relative to those between different textures (`portilla_simoncelli_distance`).
+- statistics: Portilla and Simoncelli's, relative to those between different textures (`portilla_simoncelli_distance`),
+- held-out patches, held-out statistics: the same of what is held out.
 
-All are flattered by copying, so beside them stand the shares of 9 x 9 windows that are the exemplar's, exactly
-(verbatim) or nearly (near: they differ by at most 3 of 255, root mean square), and the typical size of copied pieces in
-pixels, where a method tells what it copies.
+Copying flatters the first two: a method that returned the exemplar would win. What is held out no method has seen; the
+row "photograph" is the exemplar itself, judged so. Beside them stand the shares of 9 x 9 windows that are of the
+exemplar, exactly (verbatim) or nearly (near: they differ by at most 3 of 255, root mean square), and the typical size
+of copied pieces in pixels, where a method tells what it copies.
 """
 
 import argparse
@@ -43,25 +45,33 @@ Floats = NDArray[np.floating]
 Row = dict[str, str | float]
 
 ENDINGS = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr"}
-DISTANCES = ["patches", "statistics"]
+DISTANCES = ["patches", "statistics", "held-out patches", "held-out statistics"]
+PHOTOGRAPH = "photograph"
 COPYING = ["verbatim", "near", "piece"]
 NEAR = 3 / 255
 WITHIN = 1.05  # of the least distance: what counts as nearest, too
 
 
-def read_exemplar(path: Path, side: int) -> Floats:
-    """The middle of a picture, at most so many pixels along each side, sRGB-encoded."""
+def read_squares(path: Path, side: int) -> tuple[Floats, Floats]:
+    """Squares of a picture's left and right, apart and at most so many pixels wide, sRGB-encoded."""
     pixels = linear_to_srgb(jt.read_image(path).pixels)
-    rows, columns = (slice((n - min(n, side)) // 2, (n + min(n, side)) // 2) for n in pixels.shape[:2])
-    return pixels[rows, columns]
+    side = min(side, pixels.shape[0], pixels.shape[1] // 2)
+    middle = slice((pixels.shape[0] - side) // 2, (pixels.shape[0] + side) // 2)
+    return pixels[middle, :side], pixels[middle, -side:]
 
 
-def measure(exemplar: Floats, texture: Floats, sources: Sources | None) -> dict[str, float]:
+def measure(exemplar: Floats, held_out: Floats, texture: Floats, sources: Sources | None) -> dict[str, float]:
     """All distances, and all that is copied; NaN where it is not known."""
     texture = np.clip(texture, 0, 1)
-    return {
-        "patches": sliced_wasserstein(exemplar, texture, key=jax.random.key(0)).total,
-        "statistics": portilla_simoncelli_distance(exemplar, texture).total,
+    distances = {
+        prefix + name: distance
+        for prefix, truth in (("", exemplar), ("held-out ", held_out))
+        for name, distance in (
+            ("patches", sliced_wasserstein(truth, texture, key=jax.random.key(0)).total),
+            ("statistics", portilla_simoncelli_distance(truth, texture).total),
+        )
+    }
+    return distances | {
         "verbatim": verbatim_share(exemplar, texture),
         "near": verbatim_share(exemplar, texture, tolerance=NEAR),
         "piece": float("nan") if sources is None else measure_pieces(sources).typical_size,
@@ -84,7 +94,11 @@ def count_nearest(means: dict[tuple[str, str], dict[str, float]], name: str) -> 
     exemplars = sorted({exemplar for exemplar, _ in means})
     wins: dict[str, list[bool]] = {}
     for exemplar in exemplars:
-        here = {method: values[name] for (each, method), values in means.items() if each == exemplar}
+        here = {
+            method: values[name]
+            for (each, method), values in means.items()
+            if each == exemplar and method != PHOTOGRAPH
+        }
         for method, value in here.items():
             wins.setdefault(method, []).append(value <= WITHIN * min(here.values()))
     return {method: float(np.mean(each)) for method, each in wins.items()}
@@ -100,7 +114,7 @@ def report(rows: Sequence[Row]) -> str:
     for method in dict.fromkeys(method for _, method in means):
         values = [each for (_, other), each in means.items() if other == method]
         medians = [show(float(np.median([each[name] for each in values]))) for name in names]
-        summary.append([method, *medians, *(f"{nearest[name][method]:.0%}" for name in DISTANCES)])
+        summary.append([method, *medians, *(f"{nearest[name].get(method, np.nan):.0%}" for name in DISTANCES)])
     wins = [f"nearest by {name}" for name in DISTANCES]
     return "\n".join(
         [
@@ -132,11 +146,16 @@ def main(words: Sequence[str] | None = None) -> None:
     options.output.mkdir(parents=True, exist_ok=True)
     rows: list[Row] = []
     for path in progress(paths, "synthesising and measuring"):
-        exemplar = read_exemplar(path, options.exemplar)
+        exemplar, held_out = read_squares(path, options.exemplar)
+        rows.append(
+            {"exemplar": path.stem, "method": PHOTOGRAPH, "seed": 0} | measure(exemplar, held_out, exemplar, None)
+        )
         for method in options.methods:
             for seed in range(options.seeds):
                 made = METHODS[method](exemplar, (options.size, options.size), key=jax.random.key(seed))
-                rows.append({"exemplar": path.stem, "method": method, "seed": seed} | measure(exemplar, *made))
+                rows.append(
+                    {"exemplar": path.stem, "method": method, "seed": seed} | measure(exemplar, held_out, *made)
+                )
         # After every exemplar, as all of them take long.
         table = io.StringIO()
         writer = csv.DictWriter(table, rows[0], lineterminator="\n")

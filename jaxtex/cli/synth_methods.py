@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from jaxtex.synthesis.sources import Step
 
 _NEIGHBORHOODS = {"coherence": 7, "ashikhmin": 5, "wei-levoy": 9, "efros-leung": 11}
+_MOST_PLACES = 1 << 20  # that are all compared with every pixel: more take gigabytes, and hours
 
 
 def start_method(
@@ -37,6 +38,13 @@ def start_method(
         raise InputError(
             f"--neighborhood: {side} x {side} pixels do not fit what is learnt from, which is {width} x {height}; "
             "give a smaller odd number or a larger picture"
+        )
+    exhaustive = options.method in ("wei-levoy", "efros-leung") or (options.similar or 1) > 1
+    if exhaustive and width * height > _MOST_PLACES:
+        option = "--similar" if options.method == "ashikhmin" else f"--method {options.method}"
+        raise InputError(
+            f"{option}: compares with every pixel of what is learnt from, and {width} x {height} are too many; give at "
+            "most 1024 x 1024, shrunk or as a --region, or take --method coherence"
         )
     if options.inpaint is not None:
         return _start_inpainting(options, options.inpaint, exemplar, side // 2, key)

@@ -122,6 +122,18 @@ class TestCopies:
             assert capsys.readouterr().out == f"{output}: 24 x 20 pixels{told}\n"
 
     @pytest.mark.parametrize(
+        "words", [["--method", "wei-levoy"], ["--method", "efros-leung"], ["--method", "ashikhmin", "--similar", "2"]]
+    )
+    def test_all_places_of_large_exemplars_are_not_compared(
+        self, exemplar: Path, words: list[str], capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        write_image(exemplar, np.zeros((1000, 1100)))
+        assert synth(exemplar, "-o", exemplar.with_name("texture.png"), *words) == 2
+        assert f"{words[-2] if '--similar' in words else ' '.join(words)}: compares with" in capsys.readouterr().err
+        assert names(exemplar.parent) == ["exemplar.png"]
+        assert synth(exemplar, "-o", exemplar.with_name("texture.png"), *words, "--region", "0,0,32x32") == 0
+
+    @pytest.mark.parametrize(
         "words",
         [
             ["--method", "ashikhmin", "--similar", "3"],
