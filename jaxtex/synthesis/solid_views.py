@@ -1,0 +1,173 @@
+"""Orthogonal views of a solid texture, and what the slices of a block along each axis should be like.
+
+J.-M. Dischler, D. Ghazanfarpour and R. Freydier, "Anisotropic solid texture synthesis using orthogonal 2D views"
+(Eurographics 1998), section 4.1. Voxels are [z, y, x, channel]. View xy: row is y, column is x; view xz: row is z,
+column is x; view yz: row is z, column is y.
+
+Colours are taken apart into channels that do not vary together, the same for all views so that these agree.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import jax
+import numpy as np
+import numpy.typing as npt
+from jax import Array
+
+from jaxtex.core.histograms import look_up, quantile_table
+from jaxtex.synthesis.neighbourhoods import check_picture
+from jaxtex.synthesis.slices import SliceStatistics, analyse_crops
+
+Floats = npt.NDArray[np.floating]
+
+AXES = {"xy": 0, "xz": 1, "yz": 2}
+"""Of voxels [z, y, x, channel], the axis along which a view's slices follow each other."""
+
+CROPS = 25
+"""Crops of each view, unless told."""
+
+_DIFFER = 0.01  # of the range of values: views further apart are given one histogram
+
+
+class Views(NamedTuple):
+    """What is known of a solid.
+
+    Attributes:
+        statistics: of each view that there is, in the order of `AXES`.
+        mean: colour, [channel].
+        basis: the independent channels' directions, as columns, [channel, channel]; orthonormal.
+        least, greatest: values of the views, [channel].
+        apart: how far histograms of views are from each other, as they were given: the largest 1-Wasserstein distance
+            of any two, as a share of the range of values.
+        shared: whether they were given one histogram.
+    """
+
+    statistics: dict[str, SliceStatistics]
+    mean: Floats
+    basis: Floats
+    least: Floats
+    greatest: Floats
+    apart: float
+    shared: bool
+
+    def to_voxels(self, channels: Array) -> npt.NDArray[np.float32]:
+        """Colours [z, y, x, channel], encoded as the views are and within their range, of independent channels
+        [channel, z, y, x]."""
+        colours = np.empty((*channels.shape[1:], channels.shape[0]), np.float32)
+        # Slice by slice: at no time are there two more blocks.
+        for number in range(len(colours)):
+            values = np.asarray(channels[:, number]).reshape(len(self.mean), -1).T @ self.basis.T + self.mean
+            colours[number] = np.clip(values, self.least, self.greatest).reshape(colours.shape[1:])
+        return colours
+
+
+def analyse_views(
+    views: Mapping[str, npt.ArrayLike],
+    side: int,
+    *,
+    key: Array,
+    crops: int = CROPS,
+    shared: bool | None = None,
+) -> Views:
+    """Learn what slices of a block should be like.
+
+    Args:
+        views: at least one of "xy", "xz" and "yz": floats [row, col, channel] in an encoding whose steps look even, all
+            with as many channels, each at least `side` pixels high and wide.
+        side: voxels along each edge of the block.
+        key: random key: where the crops are taken.
+        crops: of each view, spread over it.
+        shared: whether all views are given one histogram, half-way between theirs. Slices of all axes hold the same
+            voxels, so that views with different histograms cannot all be met. Unless told, where they differ by more
+            than a hundredth of the range of values.
+
+    Raises:
+        ValueError: no view, or one of another name; pictures of another form, smaller than the block, with different
+            numbers of channels, NaN or infinite values, or all of one colour; fewer than two crops.
+
+    Examples:
+        >>> grain = np.random.default_rng(0).random((40, 40, 3))
+        >>> views = analyse_views({"xy": grain, "xz": grain}, 16, key=jax.random.key(0))
+        >>> views.statistics["xz"].average.shape
+        (3, 16, 9)
+    """
+    pictures = _check_views(views, side)
+    if crops < 2:
+        raise ValueError(f"crops: {crops} show no range; give at least 2")
+    pooled = np.concatenate([each.reshape(-1, each.shape[2]) for each in pictures.values()])
+    mean, basis = _decorrelate(pooled)
+    channels: dict[str, Floats] = {name: (each - mean) @ basis for name, each in pictures.items()}
+    apart = _histograms_apart(list(channels.values()))
+    shared = apart > _DIFFER if shared is None else shared
+    if shared:
+        channels = _share_histogram(channels)
+    statistics = {}
+    for name, picture in channels.items():
+        corners = _spread_corners(picture.shape[:2], side, crops, jax.random.fold_in(key, AXES[name]))
+        cut = np.stack([picture[row : row + side, column : column + side] for row, column in corners])
+        statistics[name] = analyse_crops(cut, picture.reshape(-1, picture.shape[2]))
+    return Views(statistics, mean, basis, pooled.min(axis=0), pooled.max(axis=0), apart, shared)
+
+
+def _check_views(views: Mapping[str, npt.ArrayLike], side: int) -> dict[str, Floats]:
+    if not views or not set(views) <= set(AXES):
+        raise ValueError(f"views {sorted(views)}: give at least one of xy, xz and yz")
+    pictures: dict[str, Floats] = {
+        name: check_picture(views[name], f"view {name}").astype(np.float64) for name in AXES if name in views
+    }
+    channels = {name: each.shape[2] for name, each in pictures.items()}
+    if len(set(channels.values())) > 1:
+        raise ValueError(f"views with {channels} channels: give as many in each")
+    for name, each in pictures.items():
+        if min(each.shape[:2]) < side:
+            raise ValueError(
+                f"view {name} of {each.shape[1]} x {each.shape[0]} pixels: slices of {side} x {side} are larger; give "
+                f"a larger picture, or a block of at most {min(each.shape[:2])}"
+            )
+        if np.ptp(each, axis=(0, 1)).max() == 0:
+            raise ValueError(f"view {name}: is all of one colour; give a picture of a texture")
+    if side < 4:
+        raise ValueError(f"side: {side} voxels are too few; give at least 4")
+    return pictures
+
+
+def _decorrelate(pixels: Floats) -> tuple[Floats, Floats]:
+    """The mean colour, and principal axes as columns."""
+    mean = pixels.mean(axis=0)
+    centred = pixels - mean
+    _, axes = np.linalg.eigh(centred.T @ centred)
+    axes = axes[:, ::-1]
+    return mean, axes * np.where(axes.sum(axis=0) < 0, -1.0, 1.0)
+
+
+def _histograms_apart(views: list[Floats]) -> float:
+    """The largest distance of two views' histograms, as a share of the range of the channel that varies most."""
+    shares = (np.arange(1024) + 0.5) / 1024
+    quantiles = [np.quantile(each.reshape(-1, each.shape[2]), shares, axis=0) for each in views]
+    span = np.ptp(np.concatenate([each.reshape(-1, each.shape[2]) for each in views]), axis=0).max()
+    distances = [np.abs(a - b).mean(axis=0).max() / span for a in quantiles for b in quantiles]
+    return float(max(distances))
+
+
+def _share_histogram(views: dict[str, Floats]) -> dict[str, Floats]:
+    """Views whose values are moved, in order, to the mean of their quantiles: the distribution nearest to all."""
+    shared = np.mean([quantile_table(each.reshape(-1, each.shape[2]).T) for each in views.values()], axis=0)
+    return {name: _match(each, shared) for name, each in views.items()}
+
+
+def _match(picture: Floats, table: npt.NDArray[np.float32]) -> Floats:
+    values = picture.reshape(-1, picture.shape[2])
+    rank = (np.argsort(np.argsort(values, axis=0, kind="stable"), axis=0) + 0.5) / len(values)
+    moved = [np.asarray(look_up(row, column)) for row, column in zip(table, rank.T, strict=True)]
+    return np.stack(moved, axis=-1).reshape(picture.shape).astype(np.float64)
+
+
+def _spread_corners(shape: tuple[int, ...], side: int, count: int, key: Array) -> npt.NDArray[np.int_]:
+    """Where crops begin, (row, col): one at random in each cell of a grid over all that there are."""
+    across = int(np.ceil(np.sqrt(count)))
+    cells = np.stack(np.divmod(np.arange(across**2), across), axis=1)
+    order = np.asarray(jax.random.permutation(jax.random.fold_in(key, 0), across**2))[:count]
+    jitter = np.asarray(jax.random.uniform(jax.random.fold_in(key, 1), (count, 2)))
+    span = np.array(shape[:2]) - side + 1
+    return np.minimum((cells[order] + jitter) / across * span, span - 1).astype(int)

@@ -1,0 +1,136 @@
+"""Solid textures by relaxation: slices that look like their views, blocks that go on at their faces."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter
+
+from jaxtex.synthesis.solid_relaxation import measure_axis, relax_steps, synthesise_solid
+from jaxtex.synthesis.solid_views import AXES, CROPS, analyse_views
+
+KEY = jax.random.key(5)
+SIDE = 32
+
+
+def draw(seed: int, sigma: tuple[float, float], side: int = 64) -> np.ndarray:
+    """Coloured grain, drawn out by so many pixels along rows and columns."""
+    noise = np.random.default_rng(seed).normal(size=(side, side, 3))
+    smooth = gaussian_filter(noise, (*sigma, 0), mode="wrap")
+    smooth = smooth / smooth.std(axis=(0, 1)) + 0.1 * noise  # as photographs, of no frequency nothing
+    mixed = smooth @ np.array([[0.1, 0.08, 0.05], [0.02, 0.0, 0.03], [0.0, 0.01, 0.0]])
+    return np.clip(mixed + np.array([0.5, 0.4, 0.3]), 0, 1)
+
+
+def spread(block: np.ndarray) -> np.ndarray:
+    """How much neighbours differ along z, y and x, as a share of the spread of all values."""
+    steps = [np.square(block - np.roll(block, 1, axis)).mean() for axis in range(3)]
+    return np.sqrt(np.array(steps) / block.var())
+
+
+@pytest.fixture(scope="module")
+def grain() -> np.ndarray:
+    """Long along x: view xy and view xz show lines, view yz dots."""
+    lines, dots = draw(0, (0.7, 6)), draw(1, (0.7, 0.7))
+    return synthesise_solid({"xy": lines, "xz": draw(2, (0.7, 6)), "yz": dots}, SIDE, key=KEY)
+
+
+def test_grain_runs_where_the_views_say(grain: np.ndarray) -> None:
+    along_z, along_y, along_x = spread(grain)
+    assert along_x < 0.5 * min(along_y, along_z)
+    assert along_y == pytest.approx(along_z, rel=0.15)
+
+
+def test_turned_views_make_the_turned_block() -> None:
+    """Figure 5: lines along y rather than x, and with two views the third axis as these make it."""
+    block = synthesise_solid({"xy": draw(0, (6, 0.7)), "yz": draw(2, (0.7, 6))}, SIDE, key=KEY)
+    along_z, along_y, along_x = spread(block)
+    assert along_y < 0.5 * min(along_z, along_x)
+
+
+def test_statistics_are_the_views() -> None:
+    pictures = {"xy": draw(0, (1, 3)), "xz": draw(1, (1, 3)), "yz": draw(2, (1, 1))}
+    views = analyse_views(pictures, SIDE, key=KEY, shared=True)
+    *_, last = relax_steps(views, key=KEY)
+    for name, statistics in views.statistics.items():
+        inside, apart = measure_axis(last.voxels, statistics, AXES[name])
+        # Of a crop that is held out, all but two frequencies in CROPS are in the range of the others.
+        assert float(inside.min()) > 1 - 2 / CROPS - 0.05
+        assert float(apart.max()) < 0.01
+
+
+def test_blocks_go_on_at_their_faces(grain: np.ndarray) -> None:
+    for axis in range(3):
+        steps = np.square(np.diff(grain, axis=axis)).mean(axis=tuple(set(range(4)) - {axis}))
+        across = np.square(np.take(grain, 0, axis) - np.take(grain, -1, axis)).mean()
+        assert across < 1.3 * steps.max()
+
+
+def test_colours_stay_those_of_the_views(grain: np.ndarray) -> None:
+    pixels = draw(0, (0.7, 6)).reshape(-1, 3)
+    np.testing.assert_allclose(grain.reshape(-1, 3).mean(axis=0), pixels.mean(axis=0), atol=0.03)
+    np.testing.assert_allclose(np.cov(grain.reshape(-1, 3).T), np.cov(pixels.T), atol=0.003)
+
+
+def test_the_same_key_makes_the_same_block(grain: np.ndarray) -> None:
+    pictures = {"xy": draw(0, (2, 1)), "xz": draw(2, (1, 1))}
+    first, second, other = (
+        synthesise_solid(pictures, 12, key=jax.random.key(seed), iterations=2) for seed in (0, 0, 1)
+    )
+    np.testing.assert_array_equal(first, second)
+    assert np.abs(first - other).max() > 0.05
+
+
+@pytest.mark.parametrize(("side", "channels"), [(15, 1), (18, 4)])
+def test_any_side_and_number_of_channels(side: int, channels: int) -> None:
+    picture = np.random.default_rng(0).random((20, 31, channels))
+    block = synthesise_solid({"xz": picture}, side, key=KEY, iterations=1)
+    assert block.shape == (side, side, side, channels)
+    assert np.isfinite(block).all()
+
+
+def test_views_with_different_histograms_meet_half_way() -> None:
+    dark, light = draw(0, (1, 1)) * 0.5, draw(1, (1, 1))
+    views = analyse_views({"xy": dark, "xz": light}, SIDE, key=KEY)
+    assert views.shared
+    assert views.apart > 0.1
+    cumulative = [np.asarray(each.cumulative) for each in views.statistics.values()]
+    np.testing.assert_allclose(cumulative[0], cumulative[1], atol=0.03)
+    assert not analyse_views({"xy": dark, "xz": dark}, SIDE, key=KEY).shared
+
+
+def test_blocks_stop_when_they_change_no_more() -> None:
+    views = analyse_views({"xy": draw(0, (1, 1))}, 16, key=KEY)
+    steps = list(relax_steps(views, key=KEY, iterations=50))
+    assert 3 <= len(steps) < 50
+    assert [step.done for step in steps] == list(range(1, len(steps) + 1))
+
+
+def test_independent_channels_become_colours() -> None:
+    pictures = {"xy": draw(0, (1, 1)), "yz": draw(1, (1, 1))}
+    views = analyse_views(pictures, 16, key=KEY)
+    colours = np.random.default_rng(3).uniform(0.3, 0.5, (4, 4, 4, 3))
+    channels = jnp.asarray(np.moveaxis((colours - views.mean) @ views.basis, -1, 0))
+    np.testing.assert_allclose(views.to_voxels(channels), colours, atol=1e-5)
+
+
+GRAIN = np.random.default_rng(0).random((20, 20, 3))
+
+
+@pytest.mark.parametrize(
+    ("views", "options", "complaint"),
+    [
+        ({}, {}, "at least one of xy, xz and yz"),
+        ({"zx": GRAIN}, {}, "at least one of xy, xz and yz"),
+        ({"xy": GRAIN, "xz": GRAIN[..., :1]}, {}, "give as many in each"),
+        ({"xy": GRAIN, "xz": GRAIN[:12]}, {}, "view xz of 20 x 12 pixels: .* block of at most 12"),
+        ({"xy": GRAIN, "xz": np.full((20, 20, 3), 0.4)}, {}, "view xz: is all of one colour"),
+        ({"xy": np.where(GRAIN > 0.9, np.nan, GRAIN)}, {}, "view xy: some values are NaN"),
+        ({"xy": GRAIN}, {"crops": 1}, "crops: 1"),
+        ({"xy": GRAIN}, {"iterations": 0}, "iterations: 0"),
+        ({"xy": GRAIN}, {"side": 3}, "side: 3"),
+    ],
+)
+def test_what_cannot_be_made_is_told(views: dict, options: dict, complaint: str) -> None:
+    with pytest.raises(ValueError, match=complaint):
+        synthesise_solid(views, **{"side": 16, "key": KEY, **options})
