@@ -74,7 +74,7 @@ class Synth:
     """Make it repeat seamlessly; coherence and heeger-bergen always do."""
     similar: Annotated[int | None, tyro.conf.arg(help_behavior_hint="")] = None
     """ashikhmin: candidates that each neighbour brings: its continuation, and places that look like that. By default 1,
-    as in the paper; more follow a target more closely."""
+    as in the paper; more follow a target more closely, with less of the texture."""
     levels: Annotated[int | None, tyro.conf.arg(help_behavior_hint="")] = None
     """wei-levoy: number of resolutions, from coarse to fine. By default 1."""
     search: Annotated[Literal["full", "tree"] | None, tyro.conf.arg(help_behavior_hint="")] = None

@@ -29,6 +29,9 @@ from jaxtex.synthesis.neighbourhoods import (
 from jaxtex.synthesis.wavefront import Canvas, Wavefronts
 
 
+_LEAP = 4  # times as far does a place count that continues no neighbour
+
+
 class Exemplar(eqx.Module):
     """Attributes:
     colours: one word after another, each [place].
@@ -97,7 +100,9 @@ def _scan(
 ) -> Array:
     """One pass over a picture of this shape.
 
-    A target weighs as much as all other pixels of a square together.
+    A target weighs as much as all pixels of the causal neighbourhood together. Where it is painted, a random place is a
+    candidate, too: neighbours may all lead to colours that are not asked for. It must be much nearer than they, so that
+    pieces stay whole.
 
     Args:
         former: places [row, col] with surroundings of the radius's width, -1 where there is nothing. Without, this is
@@ -121,6 +126,11 @@ def _scan(
         known = near[taken]
         places = _suggest(exemplar, known, offsets[taken], word, first)
         each_lane = places.reshape(-1, fronts.lanes)
+        usable = jnp.broadcast_to((known >= 0)[None], places.shape).reshape(each_lane.shape)
+        if aim is not None:
+            painted = fronts.read(aim.painted, starts[causal : causal + 1])
+            leap = draw_place(draw_bits(word, len(square_offsets(radius)) + 1), exemplar.shape, radius)[None]
+            each_lane, usable = jnp.concatenate([each_lane, leap]), jnp.concatenate([usable, painted])
         distance = measure_places(
             exemplar.colours,
             each_lane,
@@ -130,8 +140,8 @@ def _scan(
         )
         if aim is not None:
             here = partial(fronts.read, starts=starts[causal : causal + 1])
-            distance += 2 * causal * _miss_target(exemplar, aim, each_lane, here)
-        usable = jnp.broadcast_to((known >= 0)[None], places.shape).reshape(distance.shape)
+            distance += causal * _miss_target(exemplar, aim, each_lane, here)
+            distance = distance.at[-1].set(_LEAP * jnp.minimum(distance[-1], FARTHEST // _LEAP))
         best = choose_place(each_lane, jnp.where(usable, distance, FARTHEST))
         best = jnp.where(jnp.any(known >= 0, axis=0), best, draw_place(draw_bits(word, 0), exemplar.shape, radius))
         return state.write(starts[causal], jnp.where(row >= 0, best, near[causal]), exemplar.colours)

@@ -127,21 +127,26 @@ class PlainAshikhmin:
         compared = {tap: self.levels[place] for tap, place in seen.items() if tap != self.causal}
         if first:
             compared = {tap: level for tap, level in compared.items() if tap < self.causal}
-        best = None
+        groups = []
         for tap, (y, x) in seen.items():
             candidate = (y - self.offsets[tap][0], x - self.offsets[tap][1])
             bits = draw(word, tap + 1)
             if not self.is_valid(*candidate) or (first and self.gives_way(candidate[0], mix(~bits))):
                 candidate = self.random_place(bits)
             group = [candidate] if self.similar is None else [tuple(each) for each in self.similar[candidate]]
+            groups.append((1, group))
+        if self.painted[at] and seen:
+            groups.append((4, [self.random_place(draw(word, len(self.offsets) + 1))]))
+        best = None
+        for times, group in groups:
             for place in group:
                 distance = sum(
                     int(((self.levels[place[0] + self.offsets[t][0], place[1] + self.offsets[t][1]] - c) ** 2).sum())
                     for t, c in compared.items()
                 )
                 if self.painted[at]:
-                    distance += 2 * self.causal * int(((self.afar[place] - self.target[at]) ** 2).sum())
-                best = min(best or (distance, place), (distance, place))
+                    distance += self.causal * int(((self.afar[place] - self.target[at]) ** 2).sum())
+                best = min(best or (times * distance, place), (times * distance, place))
         return self.random_place(draw(word, 0)) if best is None else best[1]
 
     def is_valid(self, *place: int) -> bool:
