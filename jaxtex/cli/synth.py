@@ -19,6 +19,7 @@ _GOES_WITH: dict[str, tuple[Method, ...]] = {
     "target": ("ashikhmin",),
     "passes": ("ashikhmin",),
     "guide": ("coherence",),
+    "guide_weight": ("coherence",),
     "inpaint": ("coherence", "efros-leung"),
     "also": ("coherence", "ashikhmin", "wei-levoy", "efros-leung", "quilting"),
     "blend": ("coherence", "ashikhmin", "wei-levoy", "efros-leung", "quilting"),
@@ -87,6 +88,9 @@ class Synth:
     guide: Annotated[tuple[Path, Path] | None, tyro.conf.arg(metavar="FROM TO", help_behavior_hint="")] = None
     """coherence: two pictures, one as large as the exemplar and one as large as the result; the exemplar is copied to
     where the second looks like the first."""
+    guide_weight: Annotated[float | None, tyro.conf.arg(help_behavior_hint="")] = None
+    """coherence: how much the guide counts, of what colours count: more follows it more closely, and repeats more. By
+    default 0.5."""
     inpaint: Annotated[Path | None, tyro.conf.arg(metavar="MASK", help_behavior_hint="")] = None
     """coherence, efros-leung: fill the exemplar where this mask of its size is white, instead of making a new
     picture."""
@@ -130,4 +134,8 @@ class Synth:
         for option, methods in _GOES_WITH.items():
             given = getattr(self, option)
             if given is not None and given is not False and given != () and self.method not in methods:
-                raise InputError(f"--{option}: goes with --method {' or '.join(methods)}, not with {self.method}")
+                raise InputError(
+                    f"--{option.replace('_', '-')}: goes with --method {' or '.join(methods)}, not with {self.method}"
+                )
+        if self.output.resolve() == self.exemplar.resolve():
+            raise InputError(f"--output: {self.output} is the exemplar, which would be written over; give another name")

@@ -78,6 +78,7 @@ def _check_numbers(options: "Synth") -> None:
         "passes": (options.passes, 1, _MOST_PASSES),
         "similar": (options.similar, 1, _MOST_SIMILAR),
         "levels": (options.levels, 1, _MOST_LEVELS),
+        "guide-weight": (options.guide_weight, 0.01, 100),
         "blend": (options.blend, 0.3, _WIDEST_BLEND),
     }
     for name, (value, least, most) in bounds.items():
@@ -88,6 +89,8 @@ def _check_numbers(options: "Synth") -> None:
         raise InputError(f"--neighborhood: {options.neighborhood} has no middle; give an odd number, as 5 or 7")
     if len(options.region) > 1:
         raise InputError(f"--region: {options.method} learns from one; heeger-bergen takes more")
+    if options.guide is None and options.guide_weight is not None:
+        raise InputError("--guide-weight: there is no --guide that it could be of; give both")
     if options.guide is not None and options.region:
         raise InputError("--region: does not go with --guide; cut the exemplar and its guide out alike")
     if options.inpaint is not None:
@@ -117,7 +120,7 @@ def _name_maps(options: "Synth", exemplar: _Exemplar) -> list[tuple[Path, Path]]
     check_copies(options.exemplar, options.output)
     if options.preview is not None:
         check_copies(options.exemplar, options.preview)
-        if options.preview.resolve() in {each.resolve() for each in (options.exemplar, *options.also)}:
+        if options.preview.resolve() in {each.resolve() for each in (options.exemplar, options.output, *options.also)}:
             raise InputError(f"--preview: {options.preview} would be written over; give another name")
     maps: list[tuple[Path, Path]] = []
     for path in options.also:

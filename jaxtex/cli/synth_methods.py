@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from jaxtex.synthesis.sources import Step
 
 _NEIGHBORHOODS = {"coherence": 7, "ashikhmin": 5, "wei-levoy": 9, "efros-leung": 11}
+_LEAST_NEIGHBORHOOD = 3
+_MOST_PIXELS = 1 << 23  # take some 6 GB
 _MOST_PLACES = 1 << 20  # that are all compared with every pixel: more take gigabytes, and hours
 
 
@@ -35,9 +37,15 @@ def start_method(
     height, width = exemplar.shape[:2]
     side = options.neighborhood or _NEIGHBORHOODS.get(options.method, 0)
     if min(width, height) < side:
+        smaller = ", or a smaller odd --neighborhood" if min(width, height) >= _LEAST_NEIGHBORHOOD else ""
         raise InputError(
-            f"--neighborhood: {side} x {side} pixels do not fit what is learnt from, which is {width} x {height}; "
-            "give a smaller odd number or a larger picture"
+            f"{options.exemplar}: what is learnt from is {width} x {height} pixels, and neighborhoods are {side} x "
+            f"{side}; give a larger picture{smaller}"
+        )
+    if width * height > _MOST_PIXELS:
+        raise InputError(
+            f"{options.exemplar}: {width} x {height} pixels are too many to learn from; give at most "
+            f"{_MOST_PIXELS >> 20} megapixels, shrunk or as a --region"
         )
     exhaustive = options.method in ("wei-levoy", "efros-leung") or (options.similar or 1) > 1
     if exhaustive and width * height > _MOST_PLACES:
@@ -89,7 +97,7 @@ def _start_coherence(
     options: "Synth", exemplar: "np.ndarray", size: tuple[int, int] | None, radius: int, key: "Array"
 ) -> Iterator["Step"]:
     from jaxtex.io.images import read_image
-    from jaxtex.synthesis.coherence import coherence_steps
+    from jaxtex.synthesis.coherence import GUIDE_WEIGHT, coherence_steps
 
     if options.guide is None:
         return coherence_steps(exemplar, _shape_of(size, exemplar), key=key, radius=radius)
@@ -103,7 +111,14 @@ def _start_coherence(
             f"--guide: one of {options.guide[0]} and {options.guide[1]} is grey or transparent; make both alike"
         )
     _check_size("--guide", options.guide[1], theirs, size)
-    return coherence_steps(exemplar, theirs.shape[:2], key=key, radius=radius, guides=(ours, theirs))
+    return coherence_steps(
+        exemplar,
+        theirs.shape[:2],
+        key=key,
+        radius=radius,
+        guides=(ours, theirs),
+        guide_weight=options.guide_weight or GUIDE_WEIGHT,
+    )
 
 
 def _start_ashikhmin(

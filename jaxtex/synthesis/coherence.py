@@ -21,24 +21,23 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 from jax import Array, lax
-from scipy.ndimage import distance_transform_cdt
 
 from jaxtex.core.compiling import SAME_EVERY_TIME
+from jaxtex.synthesis.coarse_start import grow_inwards, lay_blocks
 from jaxtex.synthesis.exemplars import (
     ExemplarLevel,
     analyse_levels,
-    choose_candidates,
     halve,
     halve_mask,
-    look_around,
     neighbourhood_weights,
 )
 from jaxtex.synthesis.neighbourhoods import check_exemplar, check_picture, check_shape
 from jaxtex.synthesis.sources import Sources, Step, last_of, magnify_places
 
+GUIDE_WEIGHT = 0.5
+"""How much guides count beside colours, unless told."""
+
 _COARSEST = 32  # pixels along the shorter side of an exemplar
-_BLOCK = 11  # pixels at the coarsest level: the larger, the more is copied as it stands
-_SHIFT = 3  # pixels at the coarsest level, at most, to where a block fits best
 _PASSES, _COARSE_PASSES = 2, 6
 _SIMILAR = 4  # places of each neighbour, its own continuation among them
 _LEAP = 2.0  # times as far does a place found by looking everywhere count
@@ -55,6 +54,7 @@ def synthesise_coherence(
     key: Array,
     radius: int = 3,
     guides: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    guide_weight: float = GUIDE_WEIGHT,
 ) -> Sources:
     """Make a texture from an exemplar. It repeats seamlessly.
 
@@ -64,7 +64,9 @@ def synthesise_coherence(
         key: random key; another key, another piece of the texture.
         radius: of the neighbourhoods that are compared, in pixels of each level.
         guides: of the exemplar, [row, col, channel], and of the texture, [*shape, channel]: places are copied to where
-            their guide is like the texture's. A guide's values weigh as much as colours; multiply both to change that.
+            their guide is like the texture's. Their values may be of any scale.
+        guide_weight: how much the guide counts, of what colours count. Where it asks for what the exemplar hardly has,
+            the more it counts, the more often the same place is copied.
 
     Returns:
         The source map, int32 [*shape, 2]; see `jaxtex.synthesis.sources`.
@@ -77,7 +79,7 @@ def synthesise_coherence(
         >>> synthesise_coherence(grain, (50, 75), key=jax.random.key(0)).shape
         (50, 75, 2)
     """
-    return last_of(coherence_steps(exemplar, shape, key=key, radius=radius, guides=guides))
+    return last_of(coherence_steps(exemplar, shape, key=key, radius=radius, guides=guides, guide_weight=guide_weight))
 
 
 def coherence_steps(
@@ -87,6 +89,7 @@ def coherence_steps(
     key: Array,
     radius: int = 3,
     guides: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    guide_weight: float = GUIDE_WEIGHT,
 ) -> Iterator[Step]:
     """The same step by step, with the source map so far, from coarse to fine."""
     pixels = check_exemplar(exemplar, radius)
@@ -99,7 +102,9 @@ def coherence_steps(
                 f"guides of shapes {ours.shape} and {guide.shape}: give one of the exemplar's size and one of the "
                 f"texture's, {pixels.shape[:2]} and {shape}, with as many channels"
             )
-        pixels = np.concatenate([pixels, ours], axis=2)
+        spread, own = (np.sqrt(each.var(axis=(0, 1)).sum()) for each in (pixels, ours))
+        scale = guide_weight * (spread or 1) / (own or 1)
+        pixels, guide = np.concatenate([pixels, scale * ours], axis=2), scale * guide
     levels = analyse_levels(pixels, np.ones(pixels.shape[:2], bool), radius=radius, coarsest=_COARSEST)
     return _refine(levels, guide, np.zeros(shape, bool), key=key, radius=radius, wrap=True)
 
@@ -155,7 +160,7 @@ def _refine(
         givens.append((halve(guide, np.ones_like(kept)), halve_mask(kept)))
     total, done = _COARSE_PASSES + _PASSES * (len(levels) - 1), 0
     guide, kept = givens[-1]
-    places = _grow_inwards(levels[-1], kept, radius) if kept.any() else _lay_blocks(levels[-1], kept.shape, key, radius)
+    places = grow_inwards(levels[-1], kept, radius) if kept.any() else lay_blocks(levels[-1], guide, key, radius)
     for number in reversed(range(len(levels))):
         level, (guide, kept) = levels[number], givens[number]
         first = number == len(levels) - 1
@@ -163,81 +168,12 @@ def _refine(
             places = _double(places, levels[number + 1], level, kept.shape)
         if kept.any():
             places = np.where(kept, np.arange(kept.size, dtype=np.int32).reshape(kept.shape), places)
-        # Blocks know nothing of a guide; with one, whatever it takes.
-        everywhere = first and (guide.shape[2] > 0 or places.size * level.valid.size <= _SEARCHED)
+        everywhere = first and places.size * level.valid.size <= _SEARCHED
         for _ in range(_COARSE_PASSES if first else _PASSES):
             places = _correct(level, places, guide, kept, radius, wrap, everywhere)
             done += 1
             sources = magnify_places(places, level.valid.shape[1], number, givens[0][1].shape, levels[0].valid.shape)
             yield Step(done, total, sources)
-
-
-def _lay_blocks(level: ExemplarLevel, shape: tuple[int, int], key: Array, radius: int) -> npt.NDArray[np.int32]:
-    """Blocks of the exemplar, from places that are about evenly spread over it; as places [row, col].
-
-    Each is shifted to where its surroundings are most like what lies there already, across the borders too: so regular
-    textures stay in step.
-    """
-    rows, columns = level.valid.shape
-    side = min(_BLOCK, rows, columns)
-    down, right = (max(1, round(each / side)) for each in shape)
-    tops, lefts = (np.arange(count + 1) * each // count for count, each in zip((down, right), shape, strict=True))
-    limits = np.maximum(level.valid.shape - np.array([np.diff(tops).max(), np.diff(lefts).max()]), 0)
-    strata = math.ceil(math.sqrt(down * right))
-    cells = jax.random.permutation(jax.random.fold_in(key, 0), strata**2)[: down * right]
-    jitter = np.asarray(jax.random.uniform(jax.random.fold_in(key, 1), (down * right, 2)))
-    starts = ((np.stack([cells // strata, cells % strata], axis=1) + jitter) / strata * (limits + 1)).astype(int)
-    starts = np.clip(starts - _SHIFT, 0, np.maximum(limits - 2 * _SHIFT, 0))
-    shifts = np.moveaxis(np.indices((2 * _SHIFT + 1, 2 * _SHIFT + 1)), 0, -1).reshape(-1, 2)
-    places = np.full(shape, -1)
-    for number, start in enumerate(starts):
-        top, bottom = tops[number // right : number // right + 2]
-        left, after = lefts[number % right : number % right + 2]
-        row, column = np.indices((bottom - top + 2 * radius, after - left + 2 * radius)).reshape(2, -1) - radius
-        around = places[(top + row) % shape[0], (left + column) % shape[1]]
-        corners = np.minimum(start + shifts, limits)
-        corner = corners[np.argmin(_mismatch(level, corners, np.stack([row, column])[:, around >= 0], around))]
-        row, column = np.indices((bottom - top, after - left))
-        place_row, place_column = (
-            np.minimum(first + step, last - 1)
-            for first, step, last in zip(corner, (row, column), (rows, columns), strict=True)
-        )
-        places[top:bottom, left:after] = place_row * columns + place_column
-    return level.nearest_valid[places]
-
-
-def _mismatch(
-    level: ExemplarLevel, corners: npt.NDArray[np.int_], steps: npt.NDArray[np.int_], places: npt.NDArray[np.int_]
-) -> npt.NDArray[np.float32]:
-    """How much pixels at some steps from each corner, [corner, 2], differ from what lies there; 0 if nothing does."""
-    limits = np.array(level.valid.shape)[:, None, None] - 1
-    row, column = np.clip(corners.T[:, :, None] + steps[:, None, :], 0, limits)
-    lying = level.pixels.reshape(-1, level.pixels.shape[2])[places[places >= 0]]
-    return np.square(level.pixels[row, column] - lying).sum(axis=(1, 2))
-
-
-def _grow_inwards(level: ExemplarLevel, kept: npt.NDArray[np.bool_], radius: int) -> npt.NDArray[np.int32]:
-    """A hole filled ring by ring, each pixel from where the exemplar is most like what is known around it."""
-    places = np.arange(kept.size, dtype=np.int32).reshape(kept.shape)
-    picture, known = level.pixels * kept[..., None], kept.astype(np.float32)[..., None]
-    choices = choose_candidates(level.valid)
-    weights = np.square(neighbourhood_weights(radius))[:, None]
-    seen = look_around(level.pixels, radius, choices)
-    values, squares = seen.reshape(len(choices), -1), np.square(seen).sum(axis=2)
-    ring = distance_transform_cdt(~kept, metric="chessboard")
-    for number in range(1, int(ring.max()) + 1):
-        pixels = np.flatnonzero(ring == number)
-        found = []
-        for part in np.array_split(pixels, -(-len(pixels) // _AT_A_TIME)):
-            mask = look_around(known, radius, part) * weights
-            given = (look_around(picture, radius, part) * mask).reshape(len(part), -1)
-            found.append(choices[np.argmin(mask[..., 0] @ squares.T - 2 * given @ values.T, axis=1)])
-        places.ravel()[pixels] = np.concatenate(found)
-        picture.reshape(-1, picture.shape[2])[pixels] = level.pixels.reshape(-1, picture.shape[2])[
-            places.ravel()[pixels]
-        ]
-        known.ravel()[pixels] = 1
-    return places
 
 
 def _double(
@@ -286,7 +222,6 @@ def _decide(
     colours = pixels.shape[2] - guide.shape[2]
     jump = jnp.where(jnp.arange(similar.shape[1]) > 0, _JUMP, 1.0)
     length = jnp.where(valid.ravel(), jnp.sum(features**2, axis=1), jnp.inf)
-    leap = 1.0 if guide.shape[2] else _LEAP
     steps = jnp.arange(-1, 2)
     lattice = tuple(-(-each // _APART) for each in places.shape)
 
@@ -321,7 +256,7 @@ def _decide(
             if not everywhere:
                 return near
             far, least = among_all(feature)
-            return jnp.where(leap * least < distance, far, near)
+            return jnp.where(_LEAP * least < distance, far, near)
 
         found = lax.map(decide, jnp.arange(math.prod(lattice)), batch_size=_AT_A_TIME).reshape(lattice)
         moved = places.at[row[:, None], column[None, :]].set(found.astype(places.dtype))

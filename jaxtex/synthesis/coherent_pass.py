@@ -28,7 +28,6 @@ from jaxtex.synthesis.neighbourhoods import (
 )
 from jaxtex.synthesis.wavefront import Canvas, Wavefronts
 
-
 _LEAP = 4  # times as far does a place count that continues no neighbour
 
 

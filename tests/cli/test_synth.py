@@ -352,6 +352,17 @@ class TestGuides:
         write_image(tmp_path / "to.png", np.repeat([1.0, 0.0], 24)[:, None].repeat(40, axis=1))
         return tmp_path / "exemplar.png"
 
+    def test_a_guide_that_weighs_more_makes_another_picture(self, halves: Path) -> None:
+        guides = ["--guide", *(halves.with_name(name) for name in ("from.png", "to.png"))]
+        for name, words in (
+            ("made.png", []),
+            ("same.png", ["--guide-weight", "0.5"]),
+            ("more.png", ["--guide-weight", "2"]),
+        ):
+            assert synth(halves, "-o", halves.with_name(name), *guides, *words) == 0
+        made, same, more = (halves.with_name(name).read_bytes() for name in ("made.png", "same.png", "more.png"))
+        assert made == same != more
+
     def test_the_guide_tells_where(self, halves: Path) -> None:
         guides = [halves.with_name(name) for name in ("from.png", "to.png")]
         assert synth(halves, "-o", halves.with_name("made.png"), "--guide", *guides) == 0
@@ -582,8 +593,12 @@ class TestBlending:
         (["--neighborhood", "43"], "--neighborhood: 43 is out of range"),
         (
             ["--neighborhood", "33", "--region", "0,0,32x40"],
-            "--neighborhood: 33 x 33 pixels do not fit what is learnt from, which is 32 x 40",
+            "what is learnt from is 32 x 40 pixels, and neighborhoods are 33 x 33; give a larger picture, or a smaller",
         ),
+        (["--guide-weight", "2"], "--guide-weight: there is no --guide that it could be of"),
+        (["-o", "exemplar.png"], "exemplar.png is the exemplar, which would be written over"),
+        (["-o", "exemplar.png", "--method", "heeger-bergen"], "which would be written over"),
+        (["--preview", "texture.png"], "--preview: texture.png would be written over"),
         (["--blend", "0"], "--blend: 0.0 is out of range"),
         (["--blend", "nan"], "--blend: nan is out of range"),
         (["--method", "ashikhmin", "--passes", "0"], "--passes: 0 is out of range"),

@@ -136,6 +136,16 @@ def test_guides_tell_where_things_go() -> None:
     assert (made[34:62] < 0.5).mean() > 0.99
 
 
+def test_what_a_guide_leaves_open_is_varied() -> None:
+    """Two kinds, in spots as large as many neighbourhoods; one of them is asked for everywhere."""
+    exemplar = noise(96, 96, 1)
+    kinds = ((np.indices((96, 96)) // 16).sum(axis=0) % 2)[..., None].astype(float)
+    sources = synthesise_coherence(exemplar, (64, 64), key=KEY, guides=(kinds, np.ones((64, 64, 1))))
+    assert (copy_sources(kinds, sources) == 1).mean() > 0.9
+    _, counts = np.unique(sources.reshape(-1, 2), axis=0, return_counts=True)
+    assert np.median(np.repeat(counts, counts)) <= 10
+
+
 def test_colours_of_a_guide_are_all_looked_at() -> None:
     """Three kinds, in three channels of a guide, of an exemplar that is all noise."""
     exemplar = noise(64, 64, 2)
