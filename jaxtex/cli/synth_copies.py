@@ -52,7 +52,7 @@ def make_of_copies(options: "Synth", size: tuple[int, int] | None, rectangles: l
     from jaxtex.io.copies import write_copies
 
     if size is not None:
-        check_memory(size, _LEAST_MEMORY * size[0] * size[1])
+        check_memory(f"--size: {size[0]}x{size[1]}", _LEAST_MEMORY * size[0] * size[1])
     exemplar = _read_exemplar(options.exemplar, rectangles)
     maps = _name_maps(options, exemplar)
     steps = start_method(options, exemplar.encoded, exemplar.white, size, jax.random.key(options.seed))

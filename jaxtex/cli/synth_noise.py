@@ -39,7 +39,7 @@ def make_of_noise(
     width, height = size or (seen_width * 2**finer, seen_height * 2**finer)
     _check_scales(scales, finer, (seen_height, seen_width), (height, width))
     needed = estimate_memory((height, width), orientations=orientations, channels=regions.shape[3])
-    check_memory((width, height), needed)
+    check_memory(f"--size: {width}x{height}", needed)
     with writing_image(options.output, size=(width, height), channels=regions.shape[3]) as write_rows:
         # Matched as sRGB-encoded values, whose steps are about equally visible.
         statistics = analyse_texture(linear_to_srgb(regions), scales=scales, orientations=orientations)

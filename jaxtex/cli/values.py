@@ -30,6 +30,26 @@ def parse_point(option: str, word: str) -> tuple[float, float]:
     return float(match[1]), float(match[2])
 
 
+def parse_vector(option: str, word: str) -> tuple[float, float, float]:
+    """Read "x,y,z" in voxels.
+
+    Args:
+        option: the option's name, for the complaint.
+        word: what the user typed.
+
+    Raises:
+        InputError: it is not three numbers with commas between.
+
+    Examples:
+        >>> parse_vector("--across", "0.5,0,-1")
+        (0.5, 0.0, -1.0)
+    """
+    match = re.fullmatch(rf"\s*({_NUMBER})\s*,\s*({_NUMBER})\s*,\s*({_NUMBER})\s*", word)
+    if not match:
+        raise InputError(f"{option}: '{word}' is no vector; write x,y,z in voxels, as in 0.7,0,-0.7")
+    return float(match[1]), float(match[2]), float(match[3])
+
+
 def parse_size(option: str, word: str) -> tuple[int, int]:
     """Read "WxH" in pixels as (width, height).
 
@@ -213,22 +233,26 @@ def parse_assignments(option: str, words: Sequence[str]) -> dict[str, float]:
     return values
 
 
-def check_seed(seed: int) -> int:
+def check_seed(seed: int, *, option: str = "--seed") -> int:
     """`seed` itself, once it is known to be one.
+
+    Args:
+        seed: what the user typed.
+        option: the option's name, for the complaint.
 
     Raises:
         InputError: it is negative, or has more than 32 bits.
     """
     if not 0 <= seed < 2**32:
-        raise InputError(f"--seed: {seed} is out of range; give a whole number from 0 to {2**32 - 1}")
+        raise InputError(f"{option}: {seed} is out of range; give a whole number from 0 to {2**32 - 1}")
     return seed
 
 
-def check_memory(size: tuple[int, int], needed: int) -> None:
+def check_memory(asked: str, needed: int) -> None:
     """Refuse what needs more memory than this machine has.
 
     Args:
-        size: (width, height) that the user asks for.
+        asked: what the user asks for, as "--size: 40000x40000".
         needed: bytes.
 
     Raises:
@@ -237,8 +261,7 @@ def check_memory(size: tuple[int, int], needed: int) -> None:
     there = _physical_memory()
     if needed > there:
         raise InputError(
-            f"--size: {size[0]}x{size[1]} takes {needed / 2**30:.1f} GiB of memory, and this machine has "
-            f"{there / 2**30:.1f}; make a smaller picture"
+            f"{asked} takes {needed / 2**30:.1f} GiB of memory, and this machine has {there / 2**30:.1f}; ask for less"
         )
 
 

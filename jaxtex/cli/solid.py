@@ -1,0 +1,157 @@
+"""`jaxtex solid`: a block of voxels whose slices look like pictures of a material, seen along its axes."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+
+from jaxtex.core.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from jaxtex.synthesis.solid_relaxation import SolidStep
+    from jaxtex.synthesis.solid_views import Views
+
+_BYTES = 80  # that each voxel takes at the most
+_FEWEST, _MOST = 8, 512
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solid:
+    """Make a solid texture: a block of voxels whose slices look like two or three pictures, seen along its axes.
+
+    Give pictures of the same material, cut along and across. For a material that looks alike from everywhere (granite),
+    give one picture alone: it stands for all three. The block repeats seamlessly along all axes.
+
+    The picture --xy is of slices with rows along y and columns along x; --xz has rows along z and columns along x; --yz
+    has rows along z and columns along y. With two pictures, slices across the third axis are left as the two make them.
+
+    Writes OUT.npz with the array 'voxels' [z, y, x, channel], linear colours as float32. 'jaxtex carve' cuts meshes of
+    it, 'jaxtex solid-slice' shows it.
+
+    Example: jaxtex solid --xy granite.jpg -n 128 -o granite.npz
+
+    Example: jaxtex solid --xy flat.png --xz end.png --yz side.png -n 128 -o oak.npz --preview oak.png
+    """
+
+    xy: Annotated[Path | None, tyro.conf.arg(metavar="PICTURE", help_behavior_hint="")] = None
+    """What slices across z look like."""
+    xz: Annotated[Path | None, tyro.conf.arg(metavar="PICTURE", help_behavior_hint="")] = None
+    """What slices across y look like."""
+    yz: Annotated[Path | None, tyro.conf.arg(metavar="PICTURE", help_behavior_hint="")] = None
+    """What slices across x look like."""
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """The block to write: .npz."""
+    side: Annotated[int, tyro.conf.arg(aliases=["-n"], metavar="VOXELS")] = 128
+    """Voxels along each edge, of a pixel each: no more than the pictures have."""
+    iterations: int = 10
+    """How often all slices are gone over, at most. Wood takes 3, the hardest 10."""
+    histogram: Literal["auto", "shared", "own"] = "auto"
+    """Voxels belong to slices of all axes, so pictures of different colours cannot all be met. 'shared' moves them to
+    what lies between before the start, 'own' does not, and 'auto' does where they differ."""
+    seed: int = 0
+    """Another number, another piece of the material."""
+    preview: Annotated[Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="")] = None
+    """A picture of the middle slices across z, y and x, written again after each iteration."""
+
+    def run(self) -> int:
+        from jaxtex.cli.values import check_seed
+
+        check_seed(self.seed)
+        self._check()
+
+        import jax
+
+        from jaxtex.io.voxels import write_voxels
+        from jaxtex.synthesis.solid_relaxation import relax_steps
+        from jaxtex.synthesis.solid_views import analyse_views
+
+        key = jax.random.key(self.seed)
+        shared = {"auto": None, "shared": True, "own": False}[self.histogram]
+        try:
+            views = analyse_views(self._read_views(), self.side, key=jax.random.fold_in(key, 0), shared=shared)
+        except ValueError as error:
+            raise InputError(str(error)) from None
+        steps = relax_steps(views, key=jax.random.fold_in(key, 1), iterations=self.iterations)
+        last = self._watch(views, steps)
+        voxels = _linear(views.to_voxels(last.voxels))
+        write_voxels(self.output, (each.reshape(-1, each.shape[-1]) for each in voxels), shape=voxels.shape)
+        self._tell(views, last)
+        return 0
+
+    def _check(self) -> None:
+        from jaxtex.cli.values import check_memory
+        from jaxtex.io.files import place_for_file
+
+        given = [path for path in (self.xy, self.xz, self.yz) if path is not None]
+        if not given:
+            raise InputError("--xy: give a picture; one alone stands for all three views")
+        if not _FEWEST <= self.side <= _MOST:
+            raise InputError(f"--side: {self.side} is out of range; give a number from {_FEWEST} to {_MOST}")
+        if self.iterations < 1:
+            raise InputError(f"--iterations: {self.iterations} is out of range; give 1 or more")
+        if self.output.suffix.lower() != ".npz":
+            raise InputError(f"{self.output}: cannot be written as '{self.output.suffix}'; name it .npz")
+        if self.preview is not None and self.preview.resolve() in {each.resolve() for each in given}:
+            raise InputError(f"--preview: {self.preview} would be written over; give another name")
+        check_memory(f"--side: {self.side}", _BYTES * self.side**3)
+        place_for_file(self.output)
+        if self.preview is not None:
+            place_for_file(self.preview)
+
+    def _read_views(self) -> "dict[str, np.ndarray]":
+        """sRGB-encoded. A view alone is that of all axes; grey ones beside coloured ones are coloured grey."""
+        import numpy as np
+
+        from jaxtex.core.colour import linear_to_srgb
+        from jaxtex.io.images import read_image
+
+        paths = {"xy": self.xy, "xz": self.xz, "yz": self.yz}
+        images = {name: read_image(path) for name, path in paths.items() if path is not None}
+        for name, image in images.items():
+            if image.alpha is not None and image.alpha.min() < 1:
+                raise InputError(f"--{name}: {paths[name]} is transparent in places; give an opaque picture")
+        most = max(image.pixels.shape[2] for image in images.values())
+        views = {
+            name: linear_to_srgb(np.broadcast_to(image.pixels, (*image.pixels.shape[:2], most)))
+            for name, image in images.items()
+        }
+        return views if len(views) > 1 else dict.fromkeys(paths, *views.values())
+
+    def _watch(self, views: "Views", steps: "Iterator[SolidStep]") -> "SolidStep":
+        from jaxtex.cli.progress import reporting
+
+        with reporting(f"making {self.output}") as report:
+            for step in steps:
+                report(step.done, step.total)
+                if self.preview is not None:
+                    self._show(views, step)
+        return step
+
+    def _show(self, views: "Views", step: "SolidStep") -> None:
+        import numpy as np
+
+        from jaxtex.io.images import write_image
+
+        assert self.preview is not None
+        middle = self.side // 2
+        across = (step.voxels[:, middle], step.voxels[:, :, middle], step.voxels[:, :, :, middle])
+        shown = np.concatenate([views.to_voxels(each[:, None])[0] for each in across], axis=1)
+        write_image(self.preview, _linear(shown))
+
+    def _tell(self, views: "Views", last: "SolidStep") -> None:
+        print(f"{self.output}: a block of {self.side} x {self.side} x {self.side} voxels, tileable")
+        done = "1 iteration" if last.done == 1 else f"{last.done} iterations"
+        print(f"  {done}; the last changed values by {100 * last.change:.1f} % of their spread")
+        if len(views.statistics) > 1 and views.apart > 0:
+            met = "moved to one between them" if views.shared else "left as they are"
+            print(f"  the pictures' histograms lie up to {100 * views.apart:.1f} % of the range apart: {met}")
+
+
+def _linear(encoded: "np.ndarray") -> "np.ndarray":
+    from jaxtex.core.colour import srgb_to_linear
+
+    return srgb_to_linear(encoded)

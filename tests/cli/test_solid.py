@@ -1,0 +1,84 @@
+"""`jaxtex solid`: views in, a block of voxels out."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jaxtex.cli.main import main
+from jaxtex.io.images import read_image, write_image
+
+
+def solid(*words: object) -> int:
+    return main(["solid", *map(str, words)])
+
+
+@pytest.fixture
+def view(tmp_path: Path) -> Path:
+    write_image(tmp_path / "view.png", np.random.default_rng(0).uniform(0.1, 0.6, (24, 30, 3)))
+    return tmp_path / "view.png"
+
+
+def test_one_picture_stands_for_all_views(view: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    block, preview = view.with_name("block.npz"), view.with_name("preview.png")
+    assert solid("--xy", view, "-n", 16, "-o", block, "--iterations", 2, "--preview", preview) == 0
+    voxels = np.load(block)["voxels"]
+    assert voxels.shape == (16, 16, 16, 3)
+    assert voxels.dtype == np.float32
+    pixels = read_image(view).pixels
+    np.testing.assert_allclose(voxels.mean(axis=(0, 1, 2)), pixels.mean(axis=(0, 1)), atol=0.03)
+    assert voxels.min() >= pixels.min() - 1e-3
+    shown = read_image(preview).pixels
+    assert shown.shape == (16, 48, 3)
+    np.testing.assert_allclose(shown[:, :16], voxels[8], atol=0.02)
+    np.testing.assert_allclose(shown[:, 16:32], voxels[:, 8], atol=0.02)
+    np.testing.assert_allclose(shown[:, 32:], voxels[:, :, 8], atol=0.02)
+    told = capsys.readouterr().out
+    assert f"{block}: a block of 16 x 16 x 16 voxels, tileable\n  2 iterations" in told
+    assert "histograms" not in told
+
+
+def test_pictures_that_differ_are_told(view: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    dark, block = view.with_name("dark.png"), view.with_name("block.npz")
+    write_image(dark, 0.3 * read_image(view).pixels.mean(axis=2, keepdims=True))
+    for words, told in (([], "moved to one between them"), (["--histogram", "own"], "left as they are")):
+        assert solid("--xy", view, "--yz", dark, "-n", 12, "-o", block, *words, "--iterations", 1) == 0
+        assert told in capsys.readouterr().out
+
+
+def test_the_same_seed_makes_the_same_file(view: Path) -> None:
+    files = [view.with_name(f"{number}.npz") for number in range(3)]
+    for file, seed in zip(files, (0, 0, 1), strict=True):
+        assert solid("--xz", view, "-n", 13, "-o", file, "--iterations", 1, "--seed", seed) == 0
+    first, second, other = (file.read_bytes() for file in files)
+    assert first == second != other
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ([], "--xy: give a picture"),
+        (["--xy", "no.png"], "no.png: there is no such file"),
+        (["--xy", "view.png", "-n", "25"], "view xy of 30 x 24 pixels: slices of 25 x 25 are larger"),
+        (["--xy", "view.png", "-n", "7"], "--side: 7 is out of range"),
+        (["--xy", "view.png", "-n", "16", "--iterations", "0"], "--iterations: 0 is out of range"),
+        (["--xy", "view.png", "-n", "16", "-o", "block.png"], "block.png: cannot be written as '.png'; name it .npz"),
+        (["--xy", "view.png", "-n", "16", "-o", "none/block.npz"], "there is no folder none"),
+        (["--xy", "view.png", "-n", "16", "--preview", "view.png"], "--preview: view.png would be written over"),
+        (["--xy", "view.png", "--xz", "flat.png", "-n", "16"], "view xz: is all of one colour"),
+        (["--xy", "clear.png", "-n", "16"], "--xy: clear.png is transparent in places"),
+    ],
+)
+def test_what_cannot_be_done_is_told_in_one_line(
+    view: Path, words: list[str], told: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(view.parent)
+    write_image(Path("flat.png"), np.full((24, 24, 3), 0.4))
+    write_image(Path("clear.png"), np.random.default_rng(0).random((24, 24, 4)))
+    before = sorted(path.name for path in Path().iterdir())
+    output = [] if "-o" in words else ["-o", "block.npz"]
+    assert solid(*words, *output) == 2
+    error = capsys.readouterr().err
+    assert told in error
+    assert error.count("\n") == 1
+    assert sorted(path.name for path in Path().iterdir()) == before
