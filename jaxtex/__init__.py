@@ -139,6 +139,7 @@ if TYPE_CHECKING:
     from jaxtex.synthesis.portilla_simoncelli import portilla_simoncelli_distance as portilla_simoncelli_distance
     from jaxtex.synthesis.quilting import quilting_steps as quilting_steps
     from jaxtex.synthesis.quilting import synthesise_quilting as synthesise_quilting
+    from jaxtex.synthesis.solid_relaxation import synthesise_solid as synthesise_solid
     from jaxtex.synthesis.sources import Step as Step
     from jaxtex.synthesis.sources import blend_seams as blend_seams
     from jaxtex.synthesis.sources import copy_sources as copy_sources
@@ -232,6 +233,7 @@ _PUBLIC = {
     "wei_levoy_steps": "jaxtex.synthesis.wei_levoy",
     "synthesise_efros_leung": "jaxtex.synthesis.efros_leung",
     "efros_leung_steps": "jaxtex.synthesis.efros_leung",
+    "synthesise_solid": "jaxtex.synthesis.solid_relaxation",
     "synthesise_quilting": "jaxtex.synthesis.quilting",
     "quilting_steps": "jaxtex.synthesis.quilting",
     "find_similar": "jaxtex.synthesis.nearest",
