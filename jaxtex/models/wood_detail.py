@@ -8,6 +8,7 @@ import numpy as np
 from jax import Array
 from jax.typing import ArrayLike
 
+from jaxtex.core.hashing import random_of_cell
 from jaxtex.models.waves import cosine
 
 _LONG = 24.0  # times as long as broad: fibres, and pores
@@ -146,10 +147,4 @@ def _noise(at: Array, salt: int) -> Array:
 
 def _random(cell: Array, layer: Array, salt: int) -> Array:
     """A number between 0 and 1 that looks random, of a cell (2,) and layer of whole numbers."""
-    x, y, z = (each.astype(jnp.int32).astype(jnp.uint32) for each in (cell[0], cell[1], layer))
-    # Multiplied by large odd numbers and mixed by shifts, so that neighbours have nothing in common.
-    mixed = x * jnp.uint32(0x9E3779B1) ^ y * jnp.uint32(0x85EBCA77) ^ z * jnp.uint32(0xC2B2AE3D)
-    mixed = mixed ^ jnp.uint32((salt * 0x27D4EB2F) & 0xFFFFFFFF)
-    for shift, factor in ((16, 0x7FEB352D), (15, 0x846CA68B)):
-        mixed = (mixed ^ mixed >> shift) * jnp.uint32(factor)
-    return (mixed ^ mixed >> 16).astype(jnp.float32) * 2.0**-32
+    return random_of_cell(jnp.stack([cell[0], cell[1], layer]), salt=salt)
