@@ -1,4 +1,5 @@
-"""A mesh with a material as binary glTF 2.0, by trimesh: one file that viewers, engines and modellers open.
+"""A mesh with a material, or with vertex colours, as binary glTF 2.0, by trimesh: one file that viewers, engines and
+modellers open.
 
 Positions are in metres, with y upwards. glTF's texture coordinates have v **downwards** from the picture's upper left
 corner; trimesh turns those of `TexturedMesh` over. Tangents are written of flat meshes alone: where there are none, the
@@ -6,6 +7,7 @@ specification has clients derive those of MikkTSpace from the texture coordinate
 """
 
 import io
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +21,7 @@ from trimesh.visual.material import PBRMaterial
 
 from jaxtex.core.errors import InputError
 from jaxtex.io.files import atomic_write_bytes
-from jaxtex.io.meshes import TexturedMesh
+from jaxtex.io.meshes import Mesh, TexturedMesh, smooth_normals
 
 LONGEST_SIDE = 16_384
 """Textures with a longer side are refused: graphics cards cannot hold them."""
@@ -88,18 +90,46 @@ def write_glb(
     """
     path = Path(path)
     try:
-        if path.suffix.lower() != ".glb":
-            raise InputError(f"cannot be written as '{path.suffix}'; name it .glb")
+        _check_name(path)
         _check_images(images)
         _check_mesh(mesh)
         if not (np.isfinite([*repeat, *offset]).all() and min(repeat) > 0):
             raise InputError(f"repeat {repeat} and offset {offset}: give finite numbers, and repeat more than 0")
-        arrays = [*images, mesh.vertices, mesh.faces, mesh.uv, mesh.normals]
-        if sum(array.nbytes for array in arrays if array is not None) > LARGEST_FILE:
-            raise InputError("cannot be written, as glTF files hold at most 4 GiB; give a smaller mesh or textures")
+        _check_bytes([*images, mesh.vertices, mesh.faces, mesh.uv, mesh.normals])
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     atomic_write_bytes(path, _encode(mesh, images, _transform(repeat, offset), name))
+
+
+def write_coloured_glb(path: Path | str, mesh: Mesh, colours: npt.NDArray[np.floating], *, name: str = "mesh") -> None:
+    """Write a mesh with vertex colours to a .glb file, whole or not at all. The same input gives the same bytes.
+
+    The material is a dull dielectric; normals are smooth.
+
+    Args:
+        path: the file.
+        mesh: in metres, with y upwards.
+        colours: [vertex, 3], linear light from 0 to 1, as glTF has it; what lies outside is clipped.
+        name: of the mesh.
+
+    Raises:
+        InputError: a path that does not end in .glb, arrays of other shapes, numbers that are not finite, more than
+            `LARGEST_FILE`, a file that cannot be made.
+
+    Examples:
+        >>> triangle = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+        >>> write_coloured_glb("sail.glb", triangle, np.eye(3))
+        >>> Path("sail.glb").read_bytes()[:4]
+        b'glTF'
+    """
+    path = Path(path)
+    try:
+        _check_name(path)
+        _check_arrays({"vertices": mesh.vertices, "colours": colours}, mesh.faces)
+        _check_bytes([mesh.vertices, mesh.faces, mesh.vertices, colours])
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    atomic_write_bytes(path, _encode_coloured(mesh, np.clip(colours, 0, 1).astype(np.float32), name))
 
 
 def check_texture_size(size: tuple[int, int]) -> None:
@@ -121,14 +151,29 @@ def _encode(mesh: TexturedMesh, images: MaterialImages, transform: dict[str, Any
         vertex_attributes={} if mesh.tangent is None else {"_TANGENT": _tangents(mesh.tangent, len(mesh.vertices))},
         process=False,
     )
-    scene = trimesh.Scene()
-    scene.add_geometry(textured, node_name=name, geom_name=name)
-    data = export_glb(
-        scene,
-        include_normals=True,
-        buffer_postprocessor=lambda buffers, tree: _add_material(buffers, tree, images, transform),
-        tree_postprocessor=_name_buffers,
+    return _export(textured, name, lambda buffers, tree: _add_material(buffers, tree, images, transform))
+
+
+def _encode_coloured(mesh: Mesh, colours: npt.NDArray[np.float32], name: str) -> bytes:
+    coloured = trimesh.Trimesh(
+        mesh.vertices,
+        mesh.faces,
+        vertex_normals=smooth_normals(mesh.vertices, mesh.faces),
+        vertex_attributes={"_COLOR_0": colours},
+        process=False,
     )
+
+    def add_material(_: Any, tree: dict[str, Any]) -> None:
+        tree["materials"] = [{"name": name, "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.8}}]
+        tree["meshes"][0]["primitives"][0]["material"] = 0
+
+    return _export(coloured, name, add_material)
+
+
+def _export(mesh: trimesh.Trimesh, name: str, add_material: Callable[[Any, dict[str, Any]], None]) -> bytes:
+    scene = trimesh.Scene()
+    scene.add_geometry(mesh, node_name=name, geom_name=name)
+    data = export_glb(scene, include_normals=True, buffer_postprocessor=add_material, tree_postprocessor=_name_buffers)
     assert isinstance(data, bytes)
     return data
 
@@ -170,13 +215,14 @@ def _encode_png(image: npt.NDArray[np.uint8]) -> bytes:
 
 
 def _name_buffers(tree: dict[str, Any]) -> None:
-    """What buffers are for, and that one of them holds tangents: to trimesh an attribute that glTF does not know."""
+    """What buffers are for, and which hold tangents and colours: to trimesh attributes that glTF does not know."""
     views, accessors = tree["bufferViews"], tree["accessors"]
     for mesh in tree["meshes"]:
         (primitive,) = mesh["primitives"]
         attributes = primitive["attributes"]
-        if "_TANGENT" in attributes:
-            attributes["TANGENT"] = attributes.pop("_TANGENT")
+        for attribute in ("TANGENT", "COLOR_0"):
+            if f"_{attribute}" in attributes:
+                attributes[attribute] = attributes.pop(f"_{attribute}")
         for accessor in attributes.values():
             views[accessors[accessor]["bufferView"]]["target"] = _VERTICES
         views[accessors[primitive["indices"]]["bufferView"]]["target"] = _INDICES
@@ -202,15 +248,30 @@ def _check_images(images: MaterialImages) -> None:
     check_texture_size((columns, rows))
 
 
+def _check_name(path: Path) -> None:
+    if path.suffix.lower() != ".glb":
+        raise InputError(f"cannot be written as '{path.suffix}'; name it .glb")
+
+
+def _check_bytes(arrays: Iterable[npt.NDArray | None]) -> None:
+    if sum(array.nbytes for array in arrays if array is not None) > LARGEST_FILE:
+        raise InputError("cannot be written, as glTF files hold at most 4 GiB; give a smaller mesh or textures")
+
+
 def _check_mesh(mesh: TexturedMesh) -> None:
-    count = len(mesh.vertices)
-    shapes = {"vertices": (count, 3), "faces": (len(mesh.faces), 3), "uv": (count, 2), "normals": (count, 3)}
-    for field, shape in shapes.items():
-        if getattr(mesh, field).shape != shape or 0 in shape:
-            raise InputError(f"{field} of the mesh are of shape {getattr(mesh, field).shape}; give {shape}")
+    _check_arrays({"vertices": mesh.vertices, "uv": mesh.uv, "normals": mesh.normals}, mesh.faces)
+
+
+def _check_arrays(fields: dict[str, npt.NDArray], faces: npt.NDArray[np.int64]) -> None:
+    """Those of vertices, and the faces between them."""
+    count = len(fields["vertices"])
+    shapes = {name: (count, 2 if name == "uv" else 3) for name in fields} | {"faces": (len(faces), 3)}
+    for name, array in (fields | {"faces": faces}).items():
+        if array.shape != shapes[name] or 0 in array.shape:
+            raise InputError(f"{name} of the mesh are of shape {array.shape}; give {shapes[name]}")
         # Files hold single precision.
         with np.errstate(over="ignore"):
-            if not np.isfinite(getattr(mesh, field).astype(np.float32)).all():
-                raise InputError(f"{field} of the mesh are not finite in single precision")
-    if mesh.faces.min() < 0 or mesh.faces.max() >= count:
-        raise InputError(f"faces of the mesh name vertices from {mesh.faces.min()} to {mesh.faces.max()} of {count}")
+            if not np.isfinite(array.astype(np.float32)).all():
+                raise InputError(f"{name} of the mesh are not finite in single precision")
+    if faces.min() < 0 or faces.max() >= count:
+        raise InputError(f"faces of the mesh name vertices from {faces.min()} to {faces.max()} of {count}")

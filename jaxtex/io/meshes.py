@@ -154,27 +154,30 @@ def _place(part: _Part) -> TexturedMesh:
     vertices, faces = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
     # trimesh would make up normals for each vertex by itself, and the seams of the texture would show.
     own = "vertex_normals" in mesh._cache
-    normals = np.asarray(mesh.vertex_normals, np.float64) if own else _smooth_normals(vertices, faces)
-    normals = normals @ np.linalg.inv(matrix[:3, :3])
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.asarray(mesh.vertex_normals, np.float64) if own else smooth_normals(vertices, faces)
     return TexturedMesh(
         vertices=vertices @ matrix[:3, :3].T + matrix[:3, 3],
         faces=faces if np.linalg.det(matrix[:3, :3]) > 0 else faces[:, ::-1],
         uv=np.asarray(mesh.visual.uv, np.float64)[:, :2],
-        # Corners of triangles without an area have none; any direction will do, but it must be one.
-        normals=np.divide(normals, lengths, out=np.tile([0.0, 0.0, 1.0], (len(normals), 1)), where=lengths > 1e-30),
+        normals=_unit(normals @ np.linalg.inv(matrix[:3, :3])),
     )
 
 
-def _smooth_normals(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
-    """Mean of the normals of all triangles that meet at a vertex's place, by their areas; of any length."""
+def smooth_normals(vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int64]) -> npt.NDArray[np.float64]:
+    """Unit normals [vertex, 3]: the mean of those of all triangles that meet at a vertex's place, by their areas."""
     _, place = np.unique(vertices, axis=0, return_inverse=True)
     place = place.ravel()
     a, b, c = (vertices[faces[:, corner]] for corner in range(3))
     areas = np.cross(b - a, c - a)
     sums = np.zeros((len(vertices), 3))
     np.add.at(sums, place[faces].ravel(), np.repeat(areas, 3, axis=0))
-    return sums[place]
+    return _unit(sums[place])
+
+
+def _unit(normals: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Of length 1. Corners of triangles without an area have none; any direction will do, but it must be one."""
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.divide(normals, lengths, out=np.tile([0.0, 0.0, 1.0], (len(normals), 1)), where=lengths > 1e-30)
 
 
 def _join(meshes: list[TexturedMesh]) -> TexturedMesh:

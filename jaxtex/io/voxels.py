@@ -1,4 +1,4 @@
-"""Voxel blocks as `.npz` files, written part by part."""
+"""Voxel blocks as `.npz` files: written part by part, and read."""
 
 import math
 import zipfile
@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from jaxtex.core.errors import InputError
+from jaxtex.io.arrays import read_arrays
 from jaxtex.io.files import replacing
 
 
@@ -48,3 +49,36 @@ def write_voxels(
                 written += len(part)
         if written != math.prod(shape[:3]):
             raise ValueError(f"there are {written} of the {math.prod(shape[:3])} voxels of a block of shape {shape}")
+
+
+def read_voxels(path: Path | str) -> npt.NDArray[np.float32]:
+    """Read a block of voxels, key `voxels`, from a `.npz` file, as `write_voxels` and `numpy.savez` write it.
+
+    Returns:
+        [z, y, x, channel], linear light.
+
+    Raises:
+        InputError: there is no such file, or it is damaged; it holds no such array of floating-point numbers, or an
+            empty one; a number is not finite.
+
+    Examples:
+        >>> np.savez("oak.npz", voxels=np.full((2, 3, 4, 1), 0.5))
+        >>> read_voxels("oak.npz").shape
+        (2, 3, 4, 1)
+    """
+    arrays = read_arrays(path)
+    if "voxels" not in arrays:
+        raise InputError(f"{path}: holds no array 'voxels'; save the block under that name")
+    voxels = arrays["voxels"]
+    if voxels.ndim != 4 or voxels.size == 0:
+        raise InputError(f"{path}: voxels of shape {voxels.shape} are no block; save [z, y, x, channel], none empty")
+    if not np.issubdtype(voxels.dtype, np.floating):
+        raise InputError(f"{path}: voxels are {voxels.dtype}; save linear light as floating-point numbers")
+    with np.errstate(over="ignore"):
+        single = voxels.astype(np.float32, copy=False)
+    if not np.isfinite(single).all():
+        z, y, x, _ = np.argwhere(~np.isfinite(single))[0]
+        raise InputError(
+            f"{path}: holds NaN or infinite numbers, the first at z {z}, y {y}, x {x}; save the block again"
+        )
+    return single

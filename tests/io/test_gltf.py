@@ -16,8 +16,8 @@ from PIL import Image
 
 from jaxtex.core.errors import InputError
 from jaxtex.io import gltf
-from jaxtex.io.gltf import MaterialImages, write_glb
-from jaxtex.io.meshes import TexturedMesh, floor_mesh, wall_mesh
+from jaxtex.io.gltf import MaterialImages, write_coloured_glb, write_glb
+from jaxtex.io.meshes import Mesh, TexturedMesh, floor_mesh, wall_mesh
 
 ROWS, COLUMNS = 6, 10
 BALL = trimesh.creation.icosphere(subdivisions=2)
@@ -254,3 +254,47 @@ def test_khronos_has_nothing_to_say(tmp_path: Path, mesh: TexturedMesh, expected
     found = complaints(validate(tmp_path / "a.glb"))
     # Where a mesh has no tangents, the validator warns that clients derive them; they do.
     assert [line.partition(" ")[0] for line in found] == ["MESH_PRIMITIVE_GENERATED_TANGENT_SPACE" for _ in expected]
+
+
+BALL_MESH = Mesh(np.asarray(BALL.vertices), np.asarray(BALL.faces))
+COLOURS = np.random.default_rng(1).uniform(0, 1, (len(BALL.vertices), 3))
+
+
+def test_vertex_colours_are_linear_and_the_mesh_is_the_same(tmp_path: Path) -> None:
+    for name in ("one.glb", "other.glb"):
+        write_coloured_glb(tmp_path / name, BALL_MESH, 1.5 * COLOURS - 0.1)
+    assert (tmp_path / "one.glb").read_bytes() == (tmp_path / "other.glb").read_bytes()
+    tree, binary = read_chunks(tmp_path / "one.glb")
+    expected = np.clip(1.5 * COLOURS - 0.1, 0, 1)
+    np.testing.assert_allclose(read_attribute(tree, binary, "COLOR_0"), expected, atol=1e-6)
+    assert np.array_equal(read_attribute(tree, binary, "POSITION"), BALL.vertices.astype(np.float32))
+    assert np.array_equal(read_attribute(tree, binary, "indices").reshape(-1, 3), BALL.faces)
+    outwards = BALL.vertices / np.linalg.norm(BALL.vertices, axis=1, keepdims=True)
+    np.testing.assert_allclose(read_attribute(tree, binary, "NORMAL"), outwards, atol=0.03)
+    (primitive,) = tree["meshes"][0]["primitives"]
+    assert set(primitive["attributes"]) == {"POSITION", "NORMAL", "COLOR_0"}
+    assert tree["materials"][primitive["material"]]["pbrMetallicRoughness"]["metallicFactor"] == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "colours", "told"),
+    [
+        ("a.ply", COLOURS, "name it .glb"),
+        ("a.glb", COLOURS[1:], "colours of the mesh are of shape"),
+        ("a.glb", COLOURS * np.nan, "colours of the mesh are not finite"),
+    ],
+)
+def test_vertex_colours_that_cannot_be_written_are_refused(
+    tmp_path: Path, name: str, colours: np.ndarray, told: str
+) -> None:
+    with pytest.raises(InputError, match=told):
+        write_coloured_glb(tmp_path / name, BALL_MESH, colours)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(
+    find_validator() is None, reason="needs Node and gltf-validator (make test installs it where there is npm)"
+)
+def test_khronos_has_nothing_to_say_of_vertex_colours(tmp_path: Path) -> None:
+    write_coloured_glb(tmp_path / "a.glb", BALL_MESH, COLOURS)
+    assert complaints(validate(tmp_path / "a.glb")) == []

@@ -7,7 +7,7 @@ import trimesh
 from jaxtex.core.colour import srgb_to_linear
 from jaxtex.core.errors import InputError
 from jaxtex.io.meshes import read_mesh, write_mesh
-from jaxtex.io.voxels import write_voxels
+from jaxtex.io.voxels import read_voxels, write_voxels
 
 
 @pytest.mark.parametrize("kind", ["ply", "obj", "stl", "off", "glb"])
@@ -63,6 +63,7 @@ def test_a_block_comes_back_and_has_no_date(tmp_path):
         assert read.files == ["voxels"]
         assert read["voxels"].dtype == np.float32
         assert np.array_equal(read["voxels"], voxels)
+    assert np.array_equal(read_voxels(tmp_path / "one.npz"), voxels)
     assert (tmp_path / "one.npz").read_bytes() == (tmp_path / "other.npz").read_bytes()
 
 
@@ -75,3 +76,51 @@ def test_a_block_is_whole_or_not_there(tmp_path):
     with pytest.raises(InputError, match=r"name it \.npz"):
         write_voxels(tmp_path / "block.raw", [part], shape=(5, 1, 1, 3))
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("kind", [np.float16, np.float64, ">f4"])
+def test_blocks_of_any_precision_are_read_in_single(tmp_path, kind):
+    np.savez_compressed(tmp_path / "block.npz", voxels=np.full((1, 2, 3, 1), 0.25, kind), other=np.arange(3))
+    read = read_voxels(tmp_path / "block.npz")
+    assert read.dtype == np.float32
+    assert np.array_equal(read, np.full((1, 2, 3, 1), 0.25))
+
+
+BAD_BLOCKS = {
+    "holds no array 'voxels'": {"block": np.zeros((2, 2, 2, 3))},
+    r"voxels of shape \(2, 2, 2\) are no block": {"voxels": np.zeros((2, 2, 2))},
+    r"voxels of shape \(2, 0, 2, 3\) are no block": {"voxels": np.zeros((2, 0, 2, 3))},
+    "voxels are uint8": {"voxels": np.zeros((2, 2, 2, 3), np.uint8)},
+    "NaN or infinite numbers, the first at z 1, y 0, x 1": {"voxels": np.array([[[[0.0], [0]]], [[[0], [np.nan]]]])},
+    "NaN or infinite numbers, the first at z 0": {"voxels": np.full((1, 1, 1, 3), 1e300)},
+    "is no archive": {"voxels": np.array([{"pickled": 1}])},
+}
+
+
+@pytest.mark.parametrize("told", BAD_BLOCKS)
+def test_what_is_no_block_is_refused_in_one_line(tmp_path, told):
+    path = tmp_path / "block.npz"
+    np.savez(path, **BAD_BLOCKS[told])
+    with pytest.raises(InputError, match=told) as refusal:
+        read_voxels(path)
+    assert str(refusal.value).startswith(str(path))
+    assert "\n" not in str(refusal.value)
+
+
+def test_files_that_are_no_blocks_are_refused(tmp_path):
+    whole = tmp_path / "whole.npz"
+    np.savez(whole, voxels=np.zeros((4, 4, 4, 3)))
+    (tmp_path / "cut.npz").write_bytes(whole.read_bytes()[:700])
+    (tmp_path / "text.npz").write_text("a shopping list")
+    np.save(tmp_path / "one.npy", np.zeros((2, 2, 2, 3)))
+    (tmp_path / "empty.npz").touch()
+    for name, told in {
+        "none.npz": "no such file",
+        "empty.npz": "is empty",
+        "cut.npz": "no archive",
+        "text.npz": "no archive",
+        "one.npy": "no archive",
+    }.items():
+        with pytest.raises(InputError, match=told) as refusal:
+            read_voxels(tmp_path / name)
+        assert "\n" not in str(refusal.value)
