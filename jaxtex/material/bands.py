@@ -1,4 +1,5 @@
-"""Maps of any size in bounded memory: point functions evaluated some rows at a time, from top to bottom."""
+"""Maps of any size in bounded memory: point functions evaluated some rows at a time, from top to bottom; or some points
+at a time."""
 
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
@@ -22,6 +23,9 @@ _BLOCK = (128, 1024)
 
 BAND = _BLOCK[0]
 """Rows of a band."""
+
+CHUNK = 1 << 14
+"""Points evaluated at a time, as many as caches hold: one shape for all."""
 
 
 def check_sides(size: tuple[int, int]) -> None:
@@ -81,6 +85,30 @@ def evaluate_points(function: Callable[[Any, Array], Any], model: Any, x: Array,
         rows: evaluated at once. What a model takes for each point must stay within caches, or it is ten times slower.
     """
     return _evaluate(function, model, x, y, rows)
+
+
+def evaluate_chunks(function: Callable[[Array], Any], points: npt.NDArray[np.floating]) -> Any:
+    """A function of points at any number of them, some at a time.
+
+    Args:
+        function: from points [CHUNK, axis], the last of them zeros where there are fewer, to arrays [CHUNK, ...].
+        points: [point, axis].
+
+    Returns:
+        Arrays [point, ...].
+
+    Examples:
+        >>> evaluate_chunks(lambda points: points.sum(axis=1), np.ones((20_000, 3))).shape
+        (20000,)
+    """
+    parts = []
+    for first in range(0, max(len(points), 1), CHUNK):
+        chunk = np.zeros((CHUNK, points.shape[1]), np.float32)
+        count = min(CHUNK, len(points) - first)
+        chunk[:count] = points[first : first + count]
+        made = function(jnp.asarray(chunk))
+        parts.append(jax.tree.map(lambda each, count=count: np.asarray(each)[:count], made))
+    return jax.tree.map(lambda *each: np.concatenate(each), *parts)
 
 
 @jax.jit

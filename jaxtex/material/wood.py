@@ -17,14 +17,14 @@ from jax import Array
 
 from jaxtex.core.errors import InputError
 from jaxtex.io.meshes import Mesh
-from jaxtex.material.bands import check_sides, evaluate_points, in_bands, normals_of
+from jaxtex.material.bands import CHUNK, check_sides, evaluate_chunks, evaluate_points, in_bands, normals_of
+from jaxtex.material.carving import mean_edge, place_mesh
 from jaxtex.material.finish import BARE_WOOD, WoodFinish
 from jaxtex.models.wood import Wood
 
 MOST_VOXELS = 1 << 30
 """Larger blocks are refused: this many are a file of 12 GiB."""
 
-_CHUNK = 1 << 14  # points evaluated at a time, as many as caches hold: one shape for all blocks and meshes
 _COSINES = 32  # in a row or column, or a multiple of it
 ROWS_AT_ONCE = 4  # evaluated at once: each point takes 48 waves
 SPOT = 0.5  # standard deviation of what a pixel sees, in pixels
@@ -101,13 +101,7 @@ def render_points(wood: Wood, points: npt.NDArray[np.floating], *, spot: float =
         0.6000000238418579
     """
     single, blur = in_single(wood), jnp.asarray(spot, jnp.float32)
-    colours = np.empty((len(points), 3), np.float32)
-    for first in range(0, len(points), _CHUNK):
-        chunk = np.zeros((_CHUNK, 3), np.float32)
-        count = min(_CHUNK, len(points) - first)
-        chunk[:count] = points[first : first + count]
-        colours[first : first + count] = _colours(single, jnp.asarray(chunk), blur)[:count]
-    return colours
+    return evaluate_chunks(lambda chunk: _colours(single, chunk, blur), points)
 
 
 def look_at_plank(
@@ -125,13 +119,7 @@ def look_at_plank(
         Maps whose one axis, before that of channels, is [point].
     """
     plank = _Plank(in_single(wood), jnp.asarray(spot, jnp.float32), _finish_table(finish))
-    parts = []
-    for first in range(0, max(len(points), 1), _CHUNK):
-        chunk = np.zeros((_CHUNK, 2), np.float32)
-        count = min(_CHUNK, len(points) - first)
-        chunk[:count] = points[first : first + count]
-        parts.append([np.asarray(each)[:count] for each in _look(plank, jnp.asarray(chunk))])
-    return WoodMaps(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+    return WoodMaps(*evaluate_chunks(lambda chunk: _look(plank, chunk), points))
 
 
 def render_block(wood: Wood, *, shape: tuple[int, int, int]) -> Iterator[npt.NDArray[np.float32]]:
@@ -163,58 +151,31 @@ def render_block(wood: Wood, *, shape: tuple[int, int, int]) -> Iterator[npt.NDA
     if depth * height * width > MOST_VOXELS:
         raise InputError(f"{told}: is too large; at most {MOST_VOXELS:,} voxels can be made")
     single, count = in_single(wood), depth * height * width
-    firsts = range(0, count, _CHUNK)
-    return (render_points(single, _voxel_centres(shape, first, min(first + _CHUNK, count))) for first in firsts)
+    firsts = range(0, count, CHUNK)
+    return (render_points(single, _voxel_centres(shape, first, min(first + CHUNK, count))) for first in firsts)
 
 
 def count_parts(shape: tuple[int, int, int]) -> int:
     """How many parts `render_block` makes of a block."""
-    return -(-math.prod(shape) // _CHUNK)
-
-
-def place_mesh(mesh: Mesh, *, image: tuple[int, int]) -> npt.NDArray[np.float64]:
-    """Where the vertices of a mesh lie in the wood, [vertex, 3].
-
-    The middle of the mesh's bounding box is put to the photograph's middle, and the box's longest side made as long as
-    the photograph's longer side. The mesh's axes are as most programs have them: x right, y up, z towards the viewer.
-
-    Args:
-        mesh: of any size.
-        image: (width, height) of the photograph.
-
-    Raises:
-        InputError: all vertices lie at one point.
-
-    Examples:
-        >>> place_mesh(Mesh(np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]])), image=(100, 60))
-        array([[-50.,  25.,   0.],
-               [ 50.,  25.,   0.],
-               [-50., -25.,   0.]])
-    """
-    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
-    longest = float((high - low).max())
-    if not longest > 0:
-        raise InputError("all vertices of the mesh lie at one point; give a mesh with an extent")
-    turned = (mesh.vertices - (low + high) / 2) * np.array([1.0, -1.0, -1.0])
-    return turned * (max(image) / longest) + 0.0
+    return -(-math.prod(shape) // CHUNK)
 
 
 def carve_mesh(wood: Wood, mesh: Mesh, *, image: tuple[int, int]) -> npt.NDArray[np.float32]:
     """Colours of a mesh's vertices, [vertex, 3], linear light, as if it were carved of the wood.
 
-    A vertex sees a spot of half the mean edge length, so that rings finer than the mesh fade instead of flickering.
+    The mesh's middle is the photograph's, and its bounding box as long as that. A vertex sees a spot of half the mean
+    edge length, so that rings finer than the mesh fade instead of flickering.
 
     Args:
         wood: the model.
-        mesh, image: as `place_mesh` takes them.
+        mesh: of any size; axes as `place_mesh` has them.
+        image: (width, height) of the photograph.
 
     Raises:
         InputError: as `place_mesh`.
     """
-    points = place_mesh(mesh, image=image)
-    corners = points[mesh.faces]
-    edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).mean()
-    return render_points(wood, points, spot=max(SPOT, 0.5 * float(edge)))
+    points = place_mesh(mesh, longest=max(image))
+    return render_points(wood, points, spot=max(SPOT, 0.5 * mean_edge(points, mesh.faces)))
 
 
 class _Plank(eqx.Module):

@@ -11,11 +11,11 @@ from jaxtex.core.errors import InputError
 from jaxtex.io.meshes import Mesh
 from jaxtex.material import bands
 from jaxtex.material import wood as module
+from jaxtex.material.carving import place_mesh
 from jaxtex.material.wood import (
     WoodMaps,
     carve_mesh,
     count_parts,
-    place_mesh,
     render_block,
     render_points,
     render_wood,
@@ -125,7 +125,7 @@ def test_blocks_that_cannot_be_made_are_refused(shape):
 
 def test_a_mesh_lies_in_the_wood_by_its_bounding_box():
     box = np.array(list(np.ndindex(2, 2, 2))) * np.array([4.0, 2.0, 1.0]) + 100.0
-    placed = place_mesh(Mesh(box, np.array([[0, 1, 2]])), image=(80, 200))
+    placed = place_mesh(Mesh(box, np.array([[0, 1, 2]])), longest=200)
     np.testing.assert_allclose(placed.min(axis=0), [-100, -50, -25])
     np.testing.assert_allclose(placed.max(axis=0), [100, 50, 25])
     # Up in the mesh is up in the picture; towards the viewer is out of the plank.
@@ -139,7 +139,7 @@ def test_a_flat_mesh_shows_the_plank():
     number = np.arange(41 * 61).reshape(41, 61)
     faces = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:]], axis=-1).reshape(-1, 3)
     colours = carve_mesh(wood, Mesh(vertices, faces), image=(60, 40)).reshape(41, 61, 3)
-    placed = place_mesh(Mesh(vertices, faces), image=(60, 40))
+    placed = place_mesh(Mesh(vertices, faces), longest=60)
     spot = 0.5 * (2 + math.sqrt(2)) / 3
     np.testing.assert_allclose(colours.reshape(-1, 3), render_points(wood, placed, spot=spot), atol=1e-5)
     expected = jax.vmap(lambda u: wood.early_on_plank(jnp.stack([u, 0.0 * u]), blur=spot))(jnp.arange(-30.0, 31.0))
