@@ -37,8 +37,10 @@ def lay_blocks(level: ExemplarLevel, guide: npt.NDArray[np.float32], key: Array,
     starts = ((np.stack([cells // strata, cells % strata], axis=1) + jitter) / strata * (limits + 1)).astype(int)
     starts = np.clip(starts - _SHIFT, 0, np.maximum(limits - 2 * _SHIFT, 0))
     shifts = np.moveaxis(np.indices((2 * _SHIFT + 1, 2 * _SHIFT + 1)), 0, -1).reshape(-1, 2)
+    # Blocks meet along lines, of which none should always be the texture's border.
+    turn = np.asarray(jax.random.randint(jax.random.fold_in(key, 3), (2,), 0, side))
     if guide.shape[2]:
-        starts = _follow_guide(level, guide, (tops, lefts), key)
+        starts = _follow_guide(level, np.roll(guide, -turn, (0, 1)), (tops, lefts), key)
     places = np.full(shape, -1)
     for number, start in enumerate(starts):
         top, bottom = tops[number // right : number // right + 2]
@@ -53,7 +55,7 @@ def lay_blocks(level: ExemplarLevel, guide: npt.NDArray[np.float32], key: Array,
             for first, step, last in zip(corner, (row, column), (rows, columns), strict=True)
         )
         places[top:bottom, left:after] = place_row * columns + place_column
-    return level.nearest_valid[places]
+    return np.roll(level.nearest_valid[places], turn, (0, 1))
 
 
 def _follow_guide(
