@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from jaxtex.fitting.wood import WoodFit as WoodFit
     from jaxtex.fitting.wood import fit_wood as fit_wood
     from jaxtex.io.gltf import MaterialImages as MaterialImages
+    from jaxtex.io.gltf import write_coloured_glb as write_coloured_glb
     from jaxtex.io.gltf import write_glb as write_glb
     from jaxtex.io.images import Image as Image
     from jaxtex.io.images import read_image as read_image
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from jaxtex.io.meshes import read_textured_mesh as read_textured_mesh
     from jaxtex.io.meshes import wall_mesh as wall_mesh
     from jaxtex.io.meshes import write_mesh as write_mesh
+    from jaxtex.io.voxels import read_voxels as read_voxels
     from jaxtex.io.voxels import write_voxels as write_voxels
     from jaxtex.material.adjacent import Layout as Layout
     from jaxtex.material.adjacent import lay_adjacent as lay_adjacent
@@ -78,6 +80,10 @@ if TYPE_CHECKING:
     from jaxtex.material.sheet import Sheet as Sheet
     from jaxtex.material.sheet import lay_photographed_sheet as lay_photographed_sheet
     from jaxtex.material.sheet import lay_sheet as lay_sheet
+    from jaxtex.material.solid import carve_solid as carve_solid
+    from jaxtex.material.solid import cut_solid as cut_solid
+    from jaxtex.material.solid import draw_block as draw_block
+    from jaxtex.material.solid import evaluate_solid as evaluate_solid
     from jaxtex.material.tile_wood import Timber as Timber
     from jaxtex.material.wood import WoodMaps as WoodMaps
     from jaxtex.material.wood import carve_mesh as carve_mesh
@@ -97,6 +103,8 @@ if TYPE_CHECKING:
     from jaxtex.models.mixture_files import MixtureFile as MixtureFile
     from jaxtex.models.mixture_files import ModelLayer as ModelLayer
     from jaxtex.models.mixture_files import PhotographLayer as PhotographLayer
+    from jaxtex.models.solid import Solid as Solid
+    from jaxtex.models.solid import make_solid as make_solid
     from jaxtex.models.tiling import Tiling as Tiling
     from jaxtex.models.tiling import make_tiling as make_tiling
     from jaxtex.models.wood import Wood as Wood
@@ -233,6 +241,14 @@ _PUBLIC = {
     "wei_levoy_steps": "jaxtex.synthesis.wei_levoy",
     "synthesise_efros_leung": "jaxtex.synthesis.efros_leung",
     "efros_leung_steps": "jaxtex.synthesis.efros_leung",
+    "read_voxels": "jaxtex.io.voxels",
+    "write_coloured_glb": "jaxtex.io.gltf",
+    "Solid": "jaxtex.models.solid",
+    "make_solid": "jaxtex.models.solid",
+    "evaluate_solid": "jaxtex.material.solid",
+    "carve_solid": "jaxtex.material.solid",
+    "cut_solid": "jaxtex.material.solid",
+    "draw_block": "jaxtex.material.solid",
     "synthesise_solid": "jaxtex.synthesis.solid_relaxation",
     "synthesise_quilting": "jaxtex.synthesis.quilting",
     "quilting_steps": "jaxtex.synthesis.quilting",

@@ -45,6 +45,8 @@ COMMANDS = (
     Command("synth", "jaxtex.cli.synth:Synth", "make more of a texture, tileable, from a picture of it"),
     Command("compare", "jaxtex.cli.compare:Compare", "show what each method of synth makes of a picture, on one sheet"),
     Command("solid", "jaxtex.cli.solid:Solid", "make a block of voxels whose slices look like pictures of a material"),
+    Command("solid-slice", "jaxtex.cli.solid_slice:SolidSlice", "show a block: a slice, an oblique cut, or all of it"),
+    Command("carve", "jaxtex.cli.carve:Carve", "carve a mesh of a block: a colour to each vertex"),
     Command("export", "jaxtex.cli.export:Export", "put a model on a wall, a floor or a mesh: one file for viewers"),
     Command("rectify", "jaxtex.cli.rectify:Rectify", "straighten a photograph from four corners"),
     Command("mask auto", "jaxtex.cli.mask:Auto", "make a mask of a tiled surface with nothing said"),
