@@ -84,8 +84,8 @@ def write_turned(folder: Path, views: Views) -> None:
 
 
 def compare_cuts(source: Path, folder: Path, blocks: dict[str, np.ndarray]) -> list[list[str]]:
-    """The cube was cut along x = 0.575 (z + 0.5) - 0.375 and photographed lying on its side, as its fibres show. Upright
-    the cut is like face E: columns go against z, rows down."""
+    """The cube was cut along x = 0.575 (z + 0.5) - 0.375 and photographed lying on its side, as its fibres show.
+    Upright, the cut is like face E: columns go against z, rows down."""
     lying, face = (linear_to_srgb(jt.read_image(source / f"mokume_CN03_{name}.png").pixels) for name in ("cut2", "E"))
     truth = np.rot90(lying)
     plane = {"origin": (0.7 * 256, 0, 256), "across": (-0.575, 0, -1), "down": (0, 1, 0), "size": (256, 256)}

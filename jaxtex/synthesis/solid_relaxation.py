@@ -24,7 +24,6 @@ ITERATIONS = 10
 """How often all slices are processed at most, unless told. The paper: 2 or 3 times for wood, 10 for the worst."""
 
 _STALLED = 0.95  # of the last change: further iterations only wander
-_AT_A_TIME = 8  # slices
 
 
 class SolidStep(NamedTuple):
@@ -112,7 +111,8 @@ def _relax(views: Views, key: Array, iterations: int) -> Iterator[SolidStep]:
 def process_axis(voxels: Array, statistics: SliceStatistics, axis: int) -> Array:
     """Make all slices across one axis of voxels [channel, z, y, x] look like the view."""
     slices = jnp.moveaxis(voxels, axis + 1, 0)
-    made = lax.map(lambda each: process_slice(each, statistics), slices, batch_size=_AT_A_TIME)
+    # One by one, each stays in the caches.
+    made = lax.map(lambda each: process_slice(each, statistics), slices)
     return jnp.moveaxis(made, 0, axis + 1)
 
 
@@ -120,7 +120,7 @@ def process_axis(voxels: Array, statistics: SliceStatistics, axis: int) -> Array
 def measure_axis(voxels: Array, statistics: SliceStatistics, axis: int) -> tuple[Array, Array]:
     """What `measure_slice` says of the slices across one axis of voxels [channel, z, y, x], on average; [channel]."""
     slices = jnp.moveaxis(voxels, axis + 1, 0)
-    inside, apart = lax.map(lambda each: measure_slice(each, statistics), slices, batch_size=_AT_A_TIME)
+    inside, apart = lax.map(lambda each: measure_slice(each, statistics), slices)
     return jnp.mean(inside, axis=0), jnp.mean(apart, axis=0)
 
 

@@ -1,0 +1,109 @@
+"""How fast solid textures are relaxed and read. Nothing here passes or fails; ratios within one run are what counts.
+
+python benchmarks/solid.py                # a minute or two; writes benchmarks/results/solid-cpu.md
+"""
+
+import argparse
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import numpy_solid
+from heeger_bergen import granite
+from timing import Result, Row, show, write_report
+
+from jaxtex.material.solid import evaluate_solid
+from jaxtex.models.solid import make_solid
+from jaxtex.synthesis.solid_relaxation import process_axis, synthesise_solid
+from jaxtex.synthesis.solid_views import AXES, analyse_views
+
+KEY = jax.random.key(0)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--worker", type=int, metavar="SIDE", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.worker:
+        view = granite(options.worker)
+        synthesise_solid(dict.fromkeys(AXES, view), options.worker, key=KEY, crops=2, iterations=2)
+        print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+        return
+    results = [time_iteration(), weigh_blocks(), time_points()]
+    show(results)
+    write_report("solid", "Speed of solid textures", results)
+
+
+def clock(*works: Callable[[], Any], turns: int = 5) -> list[float]:
+    """Seconds of the quickest turn of each, in turn, after one that compiles."""
+    times: list[list[float]] = [[] for _ in works]
+    for _ in range(turns + 1):
+        for work, taken in zip(works, times, strict=True):
+            began = time.perf_counter()
+            work()
+            taken.append(time.perf_counter() - began)
+    return [min(taken[1:]) for taken in times]
+
+
+@jax.jit
+def transform(voxels: jax.Array) -> jax.Array:
+    """There and back: all slices across all axes, what an iteration cannot do without."""
+    for axis in range(3):
+        slices = jnp.moveaxis(voxels, axis + 1, 1)
+        voxels = jnp.moveaxis(jnp.fft.irfft2(jnp.fft.rfft2(slices), slices.shape[2:]), 1, axis + 1)
+    return voxels
+
+
+def time_iteration() -> Result:
+    rows: list[Row] = []
+    for side in (64, 128):
+        views = analyse_views(dict.fromkeys(AXES, granite(2 * side)), side, key=KEY)
+        noise = jax.random.normal(KEY, (3, side, side, side))
+        plain = np.asarray(noise)
+
+        def ours(noise: jax.Array = noise, views: Any = views) -> jax.Array:
+            for name, statistics in views.statistics.items():
+                noise = process_axis(noise, statistics, AXES[name])
+            return jax.block_until_ready(noise)
+
+        def theirs(block: np.ndarray = plain, views: Any = views) -> np.ndarray:
+            for name, statistics in views.statistics.items():
+                block = numpy_solid.process_axis(block, statistics, AXES[name])
+            return block
+
+        apart = float(np.abs(np.asarray(ours()) - theirs()).mean() / theirs().std())
+        assert apart < 0.02, f"the two blocks differ by {apart}"
+        took, bare, numpy = clock(ours, lambda noise=noise: jax.block_until_ready(transform(noise)), theirs)
+        rows.append((f"{side}³", f"{took:.3f}", f"{took / bare:.1f}", f"{numpy / took:.1f}"))
+    head = ("block, RGB", "jaxtex, s", "against the bare transforms", "NumPy against jaxtex")
+    return "One iteration, three axes, warm", head, rows
+
+
+def weigh_blocks() -> Result:
+    rows: list[Row] = []
+    for side in (128, 256):
+        command = [sys.executable, str(Path(__file__).resolve()), "--worker", str(side)]
+        said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        rows.append((f"{side}³", f"{int(said.split()[-1]) / 2**20:.2f}"))
+    return "Peak memory of a process, two iterations", ("block, RGB", "GiB"), rows
+
+
+def time_points() -> Result:
+    points = np.random.default_rng(0).uniform(-500, 500, (1_000_000, 3)).astype(np.float32)
+    rows: list[Row] = []
+    for name, seed in (("as it is", None), ("at random offsets", 0)):
+        solid = make_solid(np.random.default_rng(1).random((128, 128, 128, 3), np.float32), offsets_seed=seed)
+        took = clock(lambda solid=solid: evaluate_solid(solid, points), turns=3)[0]
+        rows.append((name, f"{1 / took:.1f}"))
+    return "Colours of a million points of 128³, warm", ("repeated", "Mpoint/s"), rows
+
+
+if __name__ == "__main__":
+    main()
