@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from jaxtex.synthesis.solid_views import Views
 
 _BYTES = 80  # that each voxel takes at the most
+_MOST_PIXELS = 1 << 22
 _FEWEST, _MOST = 8, 512
 
 
@@ -46,7 +47,7 @@ class Solid:
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """The block to write: .npz."""
     side: Annotated[int, tyro.conf.arg(aliases=["-n"], metavar="VOXELS")] = 128
-    """Voxels along each edge, of a pixel each: no more than the pictures have."""
+    """Voxels along each edge, of a pixel each. The pictures must be larger, by a quarter at least."""
     iterations: int = 10
     """How often all slices are gone over, at most. Wood takes 3, the hardest 10."""
     histogram: Literal["auto", "shared", "own"] = "auto"
@@ -112,6 +113,11 @@ class Solid:
         paths = {"xy": self.xy, "xz": self.xz, "yz": self.yz}
         images = {name: read_image(path) for name, path in paths.items() if path is not None}
         for name, image in images.items():
+            if image.width * image.height > _MOST_PIXELS:
+                raise InputError(
+                    f"--{name}: {paths[name]} has {image.width} x {image.height} pixels, and blocks have at most "
+                    f"{_MOST} voxels along an edge; give at most {_MOST_PIXELS >> 20} megapixels, shrunk or cropped"
+                )
             if image.alpha is not None and image.alpha.min() < 1:
                 raise InputError(f"--{name}: {paths[name]} is transparent in places; give an opaque picture")
         most = max(image.pixels.shape[2] for image in images.values())
@@ -144,8 +150,8 @@ class Solid:
 
     def _tell(self, views: "Views", last: "SolidStep") -> None:
         print(f"{self.output}: a block of {self.side} x {self.side} x {self.side} voxels, tileable")
-        done = "1 iteration" if last.done == 1 else f"{last.done} iterations"
-        print(f"  {done}; the last changed values by {100 * last.change:.1f} % of their spread")
+        if last.done > 1:
+            print(f"  {last.done} iterations; the last changed values by {100 * last.change:.1f} % of their spread")
         if len(views.statistics) > 1 and views.apart > 0:
             met = "moved to one between them" if views.shared else "left as they are"
             print(f"  the pictures' histograms lie up to {100 * views.apart:.1f} % of the range apart: {met}")

@@ -84,7 +84,8 @@ class Synth:
     """ashikhmin: what the result should look like from afar, painted in the exemplar's colours; transparent where it
     does not matter."""
     passes: Annotated[int | None, tyro.conf.arg(help_behavior_hint="")] = None
-    """ashikhmin: how often all pixels are chosen anew; each pass comes nearer to the target. By default 1."""
+    """ashikhmin: how often all pixels are chosen anew; further passes come nearer to the target. By
+    default 1."""
     guide: Annotated[tuple[Path, Path] | None, tyro.conf.arg(metavar="FROM TO", help_behavior_hint="")] = None
     """coherence: two pictures, one as large as the exemplar and one as large as the result; the exemplar is copied to
     where the second looks like the first."""
@@ -137,5 +138,8 @@ class Synth:
                 raise InputError(
                     f"--{option.replace('_', '-')}: goes with --method {' or '.join(methods)}, not with {self.method}"
                 )
-        if self.output.resolve() == self.exemplar.resolve():
-            raise InputError(f"--output: {self.output} is the exemplar, which would be written over; give another name")
+        inputs = {"the exemplar": self.exemplar, "the target": self.target, "the mask": self.inpaint}
+        inputs |= dict(zip(("the first of the guides", "the second of the guides"), self.guide or (), strict=False))
+        for told, path in inputs.items():
+            if path is not None and path.resolve() == self.output.resolve():
+                raise InputError(f"--output: {path} is {told}, which would be written over; give another name")

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 from jax import Array
-from scipy import ndimage
+from scipy import fft
 
 from jaxtex.core.errors import InputError
 from jaxtex.io.meshes import Mesh
@@ -24,6 +24,8 @@ _TURN, _RISE = math.radians(35), math.radians(28)
 _LIGHT = 0.5, 1.0, 0.8  # on faces across x (the right one), y (the top) and z (the front)
 _INSIDE = 0.85  # of that, within the corner that is cut away
 _BACKGROUND = 0.75
+_FARTHEST = 2.0**20  # voxels from the origin: beyond, single precision does not tell a sixteenth of one
+_LARGEST_SCALE = 1e4
 _MARGIN = 0.04  # of the picture, on each side
 _SAMPLES = 4  # to a pixel, along and across
 
@@ -69,8 +71,8 @@ def carve_solid(solid: Solid, mesh: Mesh, *, scale: float = 1.0) -> npt.NDArray[
     Raises:
         InputError: as `place_mesh`; a scale that is none; a block of other than 1 or 3 channels.
     """
-    if not (math.isfinite(scale) and scale > 0):
-        raise InputError(f"scale: {scale:g} is none; give a number above 0")
+    if not 0 < scale <= _LARGEST_SCALE:
+        raise InputError(f"scale: {scale:g} is none; give a number above 0, at most {_LARGEST_SCALE:g}")
     _check_colours(solid)
     placed = place_mesh(mesh, longest=scale * max(solid.size))
     spot = 0.5 * mean_edge(placed, mesh.faces)
@@ -104,13 +106,16 @@ def cut_solid(
     """
     check_sides(size)
     vectors = {"origin": origin, "across": across, "down": down}
-    plane = {name: np.asarray(vector, np.float32) for name, vector in vectors.items()}
+    plane = {name: np.asarray(vector, np.float64) for name, vector in vectors.items()}
     for name, vector in plane.items():
         if vector.shape != (3,) or not np.isfinite(vector).all():
             raise InputError(f"{name}: {vector.tolist()} is no vector; give three finite numbers, x, y and z")
+    ends = [plane["origin"] + x * plane["across"] + y * plane["down"] for x in (0, size[0]) for y in (0, size[1])]
+    if np.abs(ends).max() > _FARTHEST:
+        raise InputError(f"the cut reaches {np.abs(ends).max():.3g} voxels far; stay within {_FARTHEST:g}")
     if not np.linalg.norm(np.cross(plane["across"], plane["down"])) > 0:
         raise InputError("across and down span no plane; give two directions that are not parallel")
-    cut = _Cut(solid, **{name: jnp.asarray(vector) for name, vector in plane.items()})
+    cut = _Cut(solid, **{name: jnp.asarray(vector, jnp.float32) for name, vector in plane.items()})
     bands = in_bands(
         lambda x, y: (np.asarray(evaluate_points(_colour_on_cut, cut, x, y, rows=_ROWS_AT_ONCE)),),
         corner=(0, 0),
@@ -181,8 +186,12 @@ def _check_colours(solid: Solid) -> None:
 
 def _blur(solid: Solid, spot: float) -> Solid:
     """Seen through a Gaussian spot of such a standard deviation in voxels."""
-    voxels = np.asarray(solid.voxels, np.float32)
-    return Solid(jnp.asarray(ndimage.gaussian_filter(voxels, spot, mode="wrap", axes=(0, 1, 2))), solid.offsets)
+    spectrum = fft.rfftn(np.asarray(solid.voxels, np.float32), axes=(0, 1, 2))
+    for axis, side in enumerate(solid.voxels.shape[:3]):
+        frequency = fft.rfftfreq(side) if axis == 2 else fft.fftfreq(side)
+        seen = np.exp(-2 * np.square(np.pi * spot * frequency)).astype(np.float32)
+        spectrum *= np.expand_dims(seen, [other for other in range(4) if other != axis])
+    return Solid(jnp.asarray(fft.irfftn(spectrum, solid.voxels.shape[:3], axes=(0, 1, 2))), solid.offsets)
 
 
 def _view_axes() -> tuple[npt.NDArray[np.float64], ...]:

@@ -94,7 +94,7 @@ def make_solid(voxels: npt.ArrayLike, *, offsets_seed: int | None = None) -> Sol
         offsets_seed: of the random offsets that hide the period, 0 to 2^32 - 1; None for plain repetition.
 
     Raises:
-        ValueError: voxels that are no such array, or a seed out of range.
+        ValueError: voxels that are no such array, NaN or infinite values, or a seed out of range.
 
     Examples:
         >>> ramp = make_solid(jnp.arange(24.0).reshape(2, 3, 4, 1))
@@ -106,6 +106,8 @@ def make_solid(voxels: npt.ArrayLike, *, offsets_seed: int | None = None) -> Sol
         raise ValueError(f"voxels of shape {block.shape} are no block; give [z, y, x, channel], none empty")
     if not jnp.issubdtype(block.dtype, jnp.floating):
         raise ValueError(f"voxels are {block.dtype}; give linear light as floating-point numbers")
+    if not bool(jnp.isfinite(block).all()):
+        raise ValueError("voxels: some values are NaN or infinite; replace them")
     if offsets_seed is None:
         return Solid(block)
     if not 0 <= offsets_seed < 2**32:

@@ -9,8 +9,10 @@ H.-Y. Shum, "Synthesis of bidirectional texture functions on arbitrary surfaces"
 
 Departures from the paper: neighbours that are not made yet have no candidates, where the paper has random ones. Later
 passes compare the lower half of squares with what the pass before has left there. A target is compared with the
-exemplar as it looks from afar, blurred by twice the radius, pixel with pixel; the paper compares it with the exemplar
-itself, in the lower half of the square, so that textures flatten with each pass. Outputs that repeat are made by a
+exemplar as it looks from afar, blurred by twice the radius, pixel with pixel, which counts as much as all pixels of the
+causal neighbourhood; the paper compares it with the exemplar itself, in the lower half of the square, so that textures
+flatten with each pass. Where it is painted, a random place is one more candidate, if it is four times nearer than all
+others. Outputs that repeat are made by a
 causal pass that ends at the borders, and passes over strips along them; the paper lets the first pass look around the
 border, which no wavefront can follow exactly.
 """
@@ -89,7 +91,7 @@ def synthesise_ashikhmin(
             that the exemplar, blurred, has somewhere are followed best.
         painted: where the target counts, boolean [row, col]; everywhere unless given.
         passes: after the first pass, which knows only what is above and to the left, others go over the output
-            again with all neighbours known. Each comes nearer to the target.
+            again with all neighbours known. Most come nearer to the target.
         start: a former result, [row, col, 2], that stands in for the first pass; `passes` further ones are made.
         even_rows: replace candidates by random places the likelier, the nearer they are to the exemplar's bottom,
             which is copied more often than the rest otherwise; patches become smaller (section 3, `rand^d > d`).
@@ -139,7 +141,7 @@ def ashikhmin_steps(
     aim = _check_target(target, painted, (*shape, pixels.shape[2]))
     prepared = Exemplar(
         colours=_pack_places(pixels),
-        afar=_pack_places(gaussian_filter(pixels, (2 * radius, 2 * radius, 0))),
+        afar=() if aim is None else _pack_places(gaussian_filter(pixels, (2 * radius, 2 * radius, 0))),
         similar=_check_similar(similar, pixels.shape[:2], radius),
         kept=_kept_rows(pixels.shape[0], radius) if even_rows else None,
         shape=pixels.shape[:2],

@@ -65,8 +65,8 @@ def synthesise_coherence(
         radius: of the neighbourhoods that are compared, in pixels of each level.
         guides: of the exemplar, [row, col, channel], and of the texture, [*shape, channel]: places are copied to where
             their guide is like the texture's. Their values may be of any scale.
-        guide_weight: how much the guide counts, of what colours count. Where it asks for what the exemplar hardly has,
-            the more it counts, the more often the same place is copied.
+        guide_weight: how much the guide counts, of what colours count; above 0. Where it asks for what the exemplar
+            hardly has, the more it counts, the more often the same place is copied.
 
     Returns:
         The source map, int32 [*shape, 2]; see `jaxtex.synthesis.sources`.
@@ -95,6 +95,8 @@ def coherence_steps(
     pixels = check_exemplar(exemplar, radius)
     shape = check_shape(shape)
     guide = np.zeros((*shape, 0), np.float32)
+    if not (math.isfinite(guide_weight) and guide_weight > 0):
+        raise ValueError(f"guide_weight: {guide_weight} is none; give a number above 0")
     if guides is not None:
         ours, guide = (check_picture(each, "guide") for each in guides)
         if ours.shape[:2] != pixels.shape[:2] or guide.shape[:2] != shape or ours.shape[2] != guide.shape[2]:

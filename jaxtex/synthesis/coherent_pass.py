@@ -34,7 +34,7 @@ _LEAP = 4  # times as far does a place count that continues no neighbour
 class Exemplar(eqx.Module):
     """Attributes:
     colours: one word after another, each [place].
-    afar: the same of the exemplar as seen from afar, which is what targets ask for.
+    afar: the same of the exemplar as seen from afar, which is what targets ask for; empty without one.
     similar: the places that each place brings as candidates, itself first, [candidate, place].
     kept: draws above this make a candidate of the row give way to a random one, uint32 [row]; absent, none do.
     """

@@ -6,8 +6,9 @@ histogram of its values. A slice keeps its phases; its amplitudes are moved into
 the frequency plane to the view's, and its values, in order, to the view's histogram.
 
 Departures: of each crop the periodic part is taken (L. Moisan, "Periodic plus smooth image decomposition", 2011), as
-the step between its opposite borders would put a cross into every spectrum; and histograms are linear within their
-bins, so that values do not gather at 256 levels.
+the step between its opposite borders would put a cross into every spectrum; the mean value, which would stretch the
+intervals of amplitudes, has no part in their division; and histograms are linear within their bins, so that values do
+not gather at 256 levels.
 """
 
 import equinox as eqx
@@ -65,11 +66,18 @@ def analyse_crops(crops: Floats, values: Floats) -> SliceStatistics:
     energy = np.stack(
         [np.bincount(r.ravel(), (a * doubled).ravel(), REGIONS) for r, a in zip(region, average, strict=True)]
     )
-    histograms = [np.histogram(channel, BINS) for channel in values.T]
+    histograms = [np.histogram(channel, BINS, range=_range_of(channel)) for channel in values.T]
     cumulative = np.stack([np.append(0, np.cumsum(counts)) / counts.sum() for counts, _ in histograms])
     edges = np.stack([each[[0, -1]] for _, each in histograms])
     arrays = (average, amplitude.min(axis=0), amplitude.max(axis=0), region, energy, cumulative, edges)
     return SliceStatistics(*(jnp.asarray(each, np.int32 if each is region else np.float32) for each in arrays))
+
+
+def _range_of(channel: Floats) -> tuple[float, float]:
+    """From the least value to the greatest, and a little more where all are the same but for rounding."""
+    least, greatest = float(channel.min()), float(channel.max())
+    rounding = float(np.finfo(np.float32).eps) * max(abs(least), abs(greatest), 1.0)
+    return (least, greatest) if greatest - least > 4 * rounding else (least - 2 * rounding, greatest + 2 * rounding)
 
 
 def _periodic_spectrum(planes: Floats) -> npt.NDArray[np.complexfloating]:
@@ -144,7 +152,7 @@ def equalise_histogram(values: Array, cumulative: Array, edges: Array) -> Array:
     """Move values so that they are distributed as a histogram says; their order stays (section 4.2, figure 3).
 
     Args:
-        values: of any shape; all of it is one distribution.
+        values: of any shape; all of it is one distribution. Values that are all equal become its median.
         cumulative: share below each edge between bins, [BINS + 1].
         edges: the least and the greatest, [2].
     """
@@ -155,7 +163,8 @@ def equalise_histogram(values: Array, cumulative: Array, edges: Array) -> Array:
     below = jnp.concatenate([jnp.zeros(1, values.dtype), jnp.cumsum(counts)]) / values.size
     moved = edges[0] + (edges[1] - edges[0]) / BINS * _interpolate(below, cumulative)
     start, step = (each.at[number].get(mode="promise_in_bounds") for each in (moved[:-1], jnp.diff(moved)))
-    return (start + (place - number) * step).reshape(values.shape)
+    middle = edges[0] + (edges[1] - edges[0]) / BINS * _interpolate(jnp.full(1, 0.5, values.dtype), cumulative)
+    return jnp.where(most > least, start + (place - number) * step, middle).reshape(values.shape)
 
 
 def _interpolate(at: Array, ascending: Array) -> Array:

@@ -27,6 +27,7 @@ AXES = {"xy": 0, "xz": 1, "yz": 2}
 CROPS = 25
 """Crops of each view, unless told."""
 
+_MARGIN = 1.25  # times as large as the block is a view at the least, so that crops differ
 _DIFFER = 0.01  # of the range of values: views further apart are given one histogram
 
 
@@ -74,7 +75,7 @@ def analyse_views(
 
     Args:
         views: at least one of "xy", "xz" and "yz": floats [row, col, channel] in an encoding whose steps look even, all
-            with as many channels, each at least `side` pixels high and wide.
+            with as many channels, each at least 1.25 times `side` pixels high and wide.
         side: voxels along each edge of the block.
         key: random key: where the crops are taken.
         crops: of each view, spread over it.
@@ -83,8 +84,8 @@ def analyse_views(
             than a hundredth of the range of values.
 
     Raises:
-        ValueError: no view, or one of another name; pictures of another form, smaller than the block, with different
-            numbers of channels, NaN or infinite values, or all of one colour; fewer than two crops.
+        ValueError: no view, or one of another name; pictures of another form, hardly larger than the block, with
+            different numbers of channels, NaN or infinite values, or all of one colour; fewer than two crops.
 
     Examples:
         >>> grain = np.random.default_rng(0).random((40, 40, 3))
@@ -106,6 +107,11 @@ def analyse_views(
     for name, picture in channels.items():
         corners = _spread_corners(picture.shape[:2], side, crops, jax.random.fold_in(key, AXES[name]))
         cut = np.stack([picture[row : row + side, column : column + side] for row, column in corners])
+        if np.ptp(cut, axis=(1, 2)).max() == 0:
+            raise ValueError(
+                f"view {name}: its crops of {side} x {side} pixels are all of one colour; give a larger block, or a "
+                "picture with texture everywhere"
+            )
         statistics[name] = analyse_crops(cut, picture.reshape(-1, picture.shape[2]))
     return Views(statistics, mean, basis, pooled.min(axis=0), pooled.max(axis=0), apart, shared)
 
@@ -120,10 +126,10 @@ def _check_views(views: Mapping[str, npt.ArrayLike], side: int) -> dict[str, Flo
     if len(set(channels.values())) > 1:
         raise ValueError(f"views with {channels} channels: give as many in each")
     for name, each in pictures.items():
-        if min(each.shape[:2]) < side:
+        if min(each.shape[:2]) < _MARGIN * side:
             raise ValueError(
-                f"view {name} of {each.shape[1]} x {each.shape[0]} pixels: slices of {side} x {side} are larger; give "
-                f"a larger picture, or a block of at most {min(each.shape[:2])}"
+                f"view {name} of {each.shape[1]} x {each.shape[0]} pixels: its crops of {side} x {side} would all be "
+                f"the same or nearly; give a larger picture, or a block of at most {int(min(each.shape[:2]) / _MARGIN)}"
             )
         if np.ptp(each, axis=(0, 1)).max() == 0:
             raise ValueError(f"view {name}: is all of one colour; give a picture of a texture")
@@ -138,7 +144,8 @@ def _decorrelate(pixels: Floats) -> tuple[Floats, Floats]:
     centred = pixels - mean
     _, axes = np.linalg.eigh(centred.T @ centred)
     axes = axes[:, ::-1]
-    return mean, axes * np.where(axes.sum(axis=0) < 0, -1.0, 1.0)
+    largest = np.take_along_axis(axes, np.abs(axes).argmax(axis=0)[None], axis=0)
+    return mean, axes * np.sign(largest)
 
 
 def _histograms_apart(views: list[Floats]) -> float:

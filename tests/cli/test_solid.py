@@ -59,13 +59,14 @@ def test_the_same_seed_makes_the_same_file(view: Path) -> None:
     [
         ([], "--xy: give a picture"),
         (["--xy", "no.png"], "no.png: there is no such file"),
-        (["--xy", "view.png", "-n", "25"], "view xy of 30 x 24 pixels: slices of 25 x 25 are larger"),
+        (["--xy", "view.png", "-n", "25"], "view xy of 30 x 24 pixels: its crops of 25 x 25"),
         (["--xy", "view.png", "-n", "7"], "--side: 7 is out of range"),
         (["--xy", "view.png", "-n", "16", "--iterations", "0"], "--iterations: 0 is out of range"),
         (["--xy", "view.png", "-n", "16", "-o", "block.png"], "block.png: cannot be written as '.png'; name it .npz"),
         (["--xy", "view.png", "-n", "16", "-o", "none/block.npz"], "there is no folder none"),
         (["--xy", "view.png", "-n", "16", "--preview", "view.png"], "--preview: view.png would be written over"),
         (["--xy", "view.png", "--xz", "flat.png", "-n", "16"], "view xz: is all of one colour"),
+        (["--xy", "large.png", "-n", "16"], "--xy: large.png has 3000 x 1500 pixels"),
         (["--xy", "clear.png", "-n", "16"], "--xy: clear.png is transparent in places"),
     ],
 )
@@ -75,6 +76,7 @@ def test_what_cannot_be_done_is_told_in_one_line(
     monkeypatch.chdir(view.parent)
     write_image(Path("flat.png"), np.full((24, 24, 3), 0.4))
     write_image(Path("clear.png"), np.random.default_rng(0).random((24, 24, 4)))
+    write_image(Path("large.png"), np.zeros((1500, 3000)))
     before = sorted(path.name for path in Path().iterdir())
     output = [] if "-o" in words else ["-o", "block.npz"]
     assert solid(*words, *output) == 2
