@@ -32,7 +32,7 @@ def main() -> None:
     parser.add_argument("--worker", type=int, metavar="SIDE", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.worker:
-        view = granite(options.worker)
+        view = granite(5 * options.worker // 4)
         synthesise_solid(dict.fromkeys(AXES, view), options.worker, key=KEY, crops=2, iterations=2)
         print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
         return
