@@ -162,9 +162,9 @@ def equalise_histogram(values: Array, cumulative: Array, edges: Array) -> Array:
     counts = jnp.zeros(BINS, values.dtype).at[number].add(1.0)
     below = jnp.concatenate([jnp.zeros(1, values.dtype), jnp.cumsum(counts)]) / values.size
     moved = edges[0] + (edges[1] - edges[0]) / BINS * _interpolate(below, cumulative)
-    start, step = (each.at[number].get(mode="promise_in_bounds") for each in (moved[:-1], jnp.diff(moved)))
+    start, end = (moved.at[number + step].get(mode="promise_in_bounds") for step in (0, 1))
     middle = edges[0] + (edges[1] - edges[0]) / BINS * _interpolate(jnp.full(1, 0.5, values.dtype), cumulative)
-    return jnp.where(most > least, start + (place - number) * step, middle).reshape(values.shape)
+    return jnp.where(most > least, start + (place - number) * (end - start), middle).reshape(values.shape)
 
 
 def _interpolate(at: Array, ascending: Array) -> Array:
@@ -180,11 +180,11 @@ def process_slice(pixels: Array, statistics: SliceStatistics) -> Array:
 
     def process(channel: Array, here: SliceStatistics) -> Array:
         spectrum = jnp.fft.rfft2(channel) / channel.size
-        amplitude = jnp.abs(spectrum)
+        amplitude = jnp.sqrt(jnp.square(spectrum.real) + jnp.square(spectrum.imag))
         wanted = coerce_amplitudes(amplitude, here.average, here.lowest, here.highest)
         wanted = equalise_regions(wanted, here.region, here.energy)
-        phase = jnp.where(amplitude > 0, spectrum / jnp.where(amplitude > 0, amplitude, 1.0), 1.0)
-        moved = jnp.fft.irfft2(phase * wanted, channel.shape) * channel.size
+        changed = jnp.where(amplitude > 0, spectrum * (wanted / jnp.where(amplitude > 0, amplitude, 1.0)), wanted)
+        moved = jnp.fft.irfft2(changed, channel.shape) * channel.size
         return equalise_histogram(moved, here.cumulative, here.edges)
 
     return jax.vmap(process)(pixels, statistics)
