@@ -89,19 +89,21 @@ def mean_over_seeds(rows: Sequence[Row]) -> dict[tuple[str, str], dict[str, floa
     }
 
 
-def count_nearest(means: dict[tuple[str, str], dict[str, float]], name: str) -> dict[str, float]:
-    """For each method, the share of exemplars to which it is nearest, or within 5 % of the nearest."""
+def count_nearest(
+    means: dict[tuple[str, str], dict[str, float]], name: str, *, copied: float = 1.0
+) -> dict[str, float]:
+    """For each method, the share of exemplars to which it is nearest, or within 5 % of the nearest, of those methods
+    that copy no more than such a share of windows, nearly."""
     exemplars = sorted({exemplar for exemplar, _ in means})
-    wins: dict[str, list[bool]] = {}
+    methods = [method for method in dict.fromkeys(method for _, method in means) if method != PHOTOGRAPH]
+    wins = dict.fromkeys(methods, 0)
     for exemplar in exemplars:
-        here = {
-            method: values[name]
-            for (each, method), values in means.items()
-            if each == exemplar and method != PHOTOGRAPH
-        }
-        for method, value in here.items():
-            wins.setdefault(method, []).append(value <= WITHIN * min(here.values()))
-    return {method: float(np.mean(each)) for method, each in wins.items()}
+        here = {method: means[exemplar, method] for method in methods}
+        here = {method: values for method, values in here.items() if values["near"] <= copied}
+        least = min((values[name] for values in here.values()), default=0.0)
+        for method, values in here.items():
+            wins[method] += values[name] <= WITHIN * least
+    return {method: count / len(exemplars) for method, count in wins.items()}
 
 
 def report(rows: Sequence[Row]) -> str:
@@ -109,17 +111,18 @@ def report(rows: Sequence[Row]) -> str:
     means = mean_over_seeds(rows)
     names = DISTANCES + COPYING
     lines = [[*pair, *(show(values[name]) for name in names)] for pair, values in means.items()]
-    nearest = {name: count_nearest(means, name) for name in DISTANCES}
+    nearest = {f"nearest by {name}": count_nearest(means, name) for name in DISTANCES}
+    nearest["nearest by patches, of those that copy half at most"] = count_nearest(means, "patches", copied=0.5)
     summary = []
     for method in dict.fromkeys(method for _, method in means):
         values = [each for (_, other), each in means.items() if other == method]
         medians = [show(float(np.median([each[name] for each in values]))) for name in names]
-        summary.append([method, *medians, *(f"{nearest[name].get(method, np.nan):.0%}" for name in DISTANCES)])
-    wins = [f"nearest by {name}" for name in DISTANCES]
+        wins = [f"{each[method]:.0%}" if method in each else "" for each in nearest.values()]
+        summary.append([method, *medians, *wins])
     return "\n".join(
         [
             "Medians over exemplars, and how often a method is nearest or within 5 % of that:\n",
-            make_table(["method", *names, *wins], summary),
+            make_table(["method", *names, *nearest], summary),
             "\nEach exemplar:\n",
             make_table(["exemplar", "method", *names], lines),
             "",

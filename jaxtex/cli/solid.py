@@ -66,6 +66,7 @@ class Solid:
 
         import jax
 
+        from jaxtex.core.colour import srgb_to_linear
         from jaxtex.io.voxels import write_voxels
         from jaxtex.synthesis.solid_relaxation import relax_steps
         from jaxtex.synthesis.solid_views import analyse_views
@@ -78,7 +79,7 @@ class Solid:
             raise InputError(str(error)) from None
         steps = relax_steps(views, key=jax.random.fold_in(key, 1), iterations=self.iterations)
         last = self._watch(views, steps)
-        voxels = _linear(views.to_voxels(last.voxels))
+        voxels = srgb_to_linear(views.to_voxels(last.voxels))
         write_voxels(self.output, (each.reshape(-1, each.shape[-1]) for each in voxels), shape=voxels.shape)
         self._tell(views, last)
         return 0
@@ -140,13 +141,14 @@ class Solid:
     def _show(self, views: "Views", step: "SolidStep") -> None:
         import numpy as np
 
+        from jaxtex.core.colour import srgb_to_linear
         from jaxtex.io.images import write_image
 
         assert self.preview is not None
         middle = self.side // 2
         across = (step.voxels[:, middle], step.voxels[:, :, middle], step.voxels[:, :, :, middle])
         shown = np.concatenate([views.to_voxels(each[:, None])[0] for each in across], axis=1)
-        write_image(self.preview, _linear(shown))
+        write_image(self.preview, srgb_to_linear(shown))
 
     def _tell(self, views: "Views", last: "SolidStep") -> None:
         print(f"{self.output}: a block of {self.side} x {self.side} x {self.side} voxels, tileable")
@@ -155,9 +157,3 @@ class Solid:
         if len(views.statistics) > 1 and views.apart > 0:
             met = "moved to one between them" if views.shared else "left as they are"
             print(f"  the pictures' histograms lie up to {100 * views.apart:.1f} % of the range apart: {met}")
-
-
-def _linear(encoded: "np.ndarray") -> "np.ndarray":
-    from jaxtex.core.colour import srgb_to_linear
-
-    return srgb_to_linear(encoded)

@@ -7,15 +7,17 @@ column is x; view yz: row is z, column is y.
 Colours are taken apart into channels that do not vary together, the same for all views so that these agree.
 """
 
+import itertools
 from collections.abc import Mapping
 from typing import NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 from jax import Array
 
-from jaxtex.core.histograms import look_up, quantile_table
+from jaxtex.core.histograms import match_histogram, quantile_table
 from jaxtex.synthesis.neighbourhoods import check_picture
 from jaxtex.synthesis.slices import SliceStatistics, analyse_crops
 
@@ -153,21 +155,21 @@ def _histograms_apart(views: list[Floats]) -> float:
     shares = (np.arange(1024) + 0.5) / 1024
     quantiles = [np.quantile(each.reshape(-1, each.shape[2]), shares, axis=0) for each in views]
     span = np.ptp(np.concatenate([each.reshape(-1, each.shape[2]) for each in views]), axis=0).max()
-    distances = [np.abs(a - b).mean(axis=0).max() / span for a in quantiles for b in quantiles]
-    return float(max(distances))
+    distances = [np.abs(a - b).mean(axis=0).max() / span for a, b in itertools.combinations(quantiles, 2)]
+    return float(max(distances, default=0.0))
 
 
 def _share_histogram(views: dict[str, Floats]) -> dict[str, Floats]:
     """Views whose values are moved, in order, to the mean of their quantiles: the distribution nearest to all."""
-    shared = np.mean([quantile_table(each.reshape(-1, each.shape[2]).T) for each in views.values()], axis=0)
-    return {name: _match(each, shared) for name, each in views.items()}
+    tables = np.mean([quantile_table(each.reshape(-1, each.shape[2]).T) for each in views.values()], axis=0)
+    tables = jnp.asarray(tables, jnp.float32)
 
+    def match(picture: Floats) -> Floats:
+        values = jnp.asarray(np.moveaxis(picture, -1, 0), jnp.float32)
+        moved = [match_histogram(channel, table) for channel, table in zip(values, tables, strict=True)]
+        return np.stack(moved, axis=-1).astype(np.float64)
 
-def _match(picture: Floats, table: npt.NDArray[np.float32]) -> Floats:
-    values = picture.reshape(-1, picture.shape[2])
-    rank = (np.argsort(np.argsort(values, axis=0, kind="stable"), axis=0) + 0.5) / len(values)
-    moved = [np.asarray(look_up(row, column)) for row, column in zip(table, rank.T, strict=True)]
-    return np.stack(moved, axis=-1).reshape(picture.shape).astype(np.float64)
+    return {name: match(each) for name, each in views.items()}
 
 
 def _spread_corners(shape: tuple[int, ...], side: int, count: int, key: Array) -> npt.NDArray[np.int_]:
