@@ -22,7 +22,7 @@ from timing import Result, Row, show, write_report
 from jaxtex.material.solid import evaluate_solid
 from jaxtex.models.solid import make_solid
 from jaxtex.synthesis.solid_relaxation import process_axis, synthesise_solid
-from jaxtex.synthesis.solid_views import AXES, analyse_views
+from jaxtex.synthesis.solid_views import AXES, align_views, analyse_views
 
 KEY = jax.random.key(0)
 
@@ -64,17 +64,18 @@ def transform(voxels: jax.Array) -> jax.Array:
 def time_iteration() -> Result:
     rows: list[Row] = []
     for side in (64, 128):
-        views = analyse_views(dict.fromkeys(AXES, granite(2 * side)), side, key=KEY)
+        views = align_views(dict.fromkeys(AXES, granite(2 * side)), side)
+        learnt = analyse_views(views.pictures, side, key=KEY)
         noise = jax.random.normal(KEY, (3, side, side, side))
         plain = np.asarray(noise)
 
-        def ours(noise: jax.Array = noise, views: Any = views) -> jax.Array:
-            for name, statistics in views.statistics.items():
+        def ours(noise: jax.Array = noise, learnt: Any = learnt) -> jax.Array:
+            for name, statistics in learnt.items():
                 noise = process_axis(noise, statistics, AXES[name])
             return jax.block_until_ready(noise)
 
-        def theirs(block: np.ndarray = plain, views: Any = views) -> np.ndarray:
-            for name, statistics in views.statistics.items():
+        def theirs(block: np.ndarray = plain, learnt: Any = learnt) -> np.ndarray:
+            for name, statistics in learnt.items():
                 block = numpy_solid.process_axis(block, statistics, AXES[name])
             return block
 

@@ -18,7 +18,7 @@ from jax import Array, lax
 
 from jaxtex.core.compiling import SAME_EVERY_TIME
 from jaxtex.synthesis.slices import SliceStatistics, measure_slice, process_slice
-from jaxtex.synthesis.solid_views import AXES, CROPS, Views, analyse_views
+from jaxtex.synthesis.solid_views import AXES, CROPS, align_views, analyse_views
 
 ITERATIONS = 10
 """How often all slices are processed at most, unless told. The paper: 2 or 3 times for wood, 10 for the worst."""
@@ -53,11 +53,12 @@ def synthesise_solid(
     """Make a solid texture whose slices look like the views.
 
     Args:
-        views: as `analyse_views` takes them: two or three of "xy", "xz" and "yz". Slices across an axis without a view
+        views: as `align_views` takes them: two or three of "xy", "xz" and "yz". Slices across an axis without a view
             are left as the others make them.
         side: voxels along each edge.
         key: random key; another key, another piece of the texture.
-        crops, shared: as in `analyse_views`.
+        crops: as in `analyse_views`.
+        shared: as in `align_views`.
         iterations: how often all slices are processed, at most.
 
     Returns:
@@ -65,46 +66,59 @@ def synthesise_solid(
         seamlessly along all three axes.
 
     Raises:
-        ValueError: as `analyse_views`; no iteration.
+        ValueError: as `align_views` and `analyse_views`; no iteration.
 
     Examples:
         >>> grain = np.random.default_rng(0).random((24, 24, 3))
         >>> synthesise_solid({"xy": grain, "xz": grain}, 16, key=jax.random.key(0)).shape
         (16, 16, 16, 3)
     """
-    learnt = analyse_views(views, side, key=jax.random.fold_in(key, 0), crops=crops, shared=shared)
-    *_, last = relax_steps(learnt, key=jax.random.fold_in(key, 1), iterations=iterations)
-    return learnt.to_voxels(last.voxels)
+    aligned = align_views(views, side, shared=shared)
+    *_, last = relax_steps(aligned.pictures, side, key=key, crops=crops, iterations=iterations)
+    return aligned.to_voxels(last.voxels)
 
 
-def relax_steps(views: Views, *, key: Array, iterations: int = ITERATIONS) -> Iterator[SolidStep]:
+def relax_steps(
+    pictures: Mapping[str, npt.NDArray[np.floating]],
+    side: int,
+    *,
+    key: Array,
+    crops: int = CROPS,
+    iterations: int = ITERATIONS,
+) -> Iterator[SolidStep]:
     """Blocks after each iteration. It ends early when blocks hardly change less from one iteration to the next.
 
     Args:
-        views: of `analyse_views`.
-        key: random key of the noise that the block is made of.
-        iterations: at most.
+        pictures: of `Views`.
+        side, key, crops, iterations: as in `synthesise_solid`.
 
     Raises:
-        ValueError: no iteration.
+        ValueError: as `analyse_views`; no iteration.
     """
     if iterations < 1:
         raise ValueError(f"iterations: {iterations} are too few; give at least 1")
-    return _relax(views, key, iterations)
+    statistics = analyse_views(pictures, side, key=jax.random.fold_in(key, 0), crops=crops)
+    channels = next(iter(pictures.values())).shape[2]
+    noise = jax.random.normal(jax.random.fold_in(key, 1), (channels, side, side, side))
+    return _relax(statistics, noise, iterations)
 
 
-def _relax(views: Views, key: Array, iterations: int) -> Iterator[SolidStep]:
-    channels, side, _ = next(iter(views.statistics.values())).average.shape
-    voxels, last = jax.random.normal(key, (channels, side, side, side)), float("inf")
+def _relax(statistics: Mapping[str, SliceStatistics], voxels: Array, iterations: int) -> Iterator[SolidStep]:
+    last = float("inf")
     for number in range(iterations):
-        before = voxels
-        for name, statistics in views.statistics.items():
-            voxels = process_axis(voxels, statistics, AXES[name])
-        change = float(_change(before, voxels))
+        before, voxels = voxels, process_block(voxels, statistics)
+        change = change_of(before, voxels)
         yield SolidStep(number + 1, iterations, voxels, change)
         if number > 1 and change > _STALLED * last:
             return
         last = change
+
+
+def process_block(voxels: Array, statistics: Mapping[str, SliceStatistics]) -> Array:
+    """Make all slices of voxels [channel, z, y, x] look like the views, across one axis after the other."""
+    for name, each in statistics.items():
+        voxels = process_axis(voxels, each, AXES[name])
+    return voxels
 
 
 @partial(jax.jit, static_argnames="axis", compiler_options=SAME_EVERY_TIME)
@@ -122,6 +136,11 @@ def measure_axis(voxels: Array, statistics: SliceStatistics, axis: int) -> tuple
     slices = jnp.moveaxis(voxels, axis + 1, 0)
     inside, apart = lax.map(lambda each: measure_slice(each, statistics), slices)
     return jnp.mean(inside, axis=0), jnp.mean(apart, axis=0)
+
+
+def change_of(before: Array, after: Array) -> float:
+    """How much values changed: the root mean square, as a share of their standard deviation."""
+    return float(_change(before, after))
 
 
 @jax.jit

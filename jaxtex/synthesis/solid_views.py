@@ -34,10 +34,10 @@ _DIFFER = 0.01  # of the range of values: views further apart are given one hist
 
 
 class Views(NamedTuple):
-    """What is known of a solid.
+    """Pictures of a solid that agree on what colours are.
 
     Attributes:
-        statistics: of each view that there is, in the order of `AXES`.
+        pictures: of each view that there is, in the order of `AXES`, the independent channels, [row, col, channel].
         mean: colour, [channel].
         basis: the independent channels' directions, as columns, [channel, channel]; orthonormal.
         least, greatest: values of the views, [channel].
@@ -46,7 +46,7 @@ class Views(NamedTuple):
         shared: whether they were given one histogram.
     """
 
-    statistics: dict[str, SliceStatistics]
+    pictures: dict[str, Floats]
     mean: Floats
     basis: Floats
     least: Floats
@@ -65,48 +65,63 @@ class Views(NamedTuple):
         return colours
 
 
-def analyse_views(
-    views: Mapping[str, npt.ArrayLike],
-    side: int,
-    *,
-    key: Array,
-    crops: int = CROPS,
-    shared: bool | None = None,
-) -> Views:
-    """Learn what slices of a block should be like.
+def align_views(views: Mapping[str, npt.ArrayLike], side: int, *, shared: bool | None = None) -> Views:
+    """Take the colours of views apart, and give the views one histogram where theirs differ.
 
     Args:
         views: at least one of "xy", "xz" and "yz": floats [row, col, channel] in an encoding whose steps look even, all
             with as many channels, each at least 1.25 times `side` pixels high and wide.
         side: voxels along each edge of the block.
-        key: random key: where the crops are taken.
-        crops: of each view, spread over it.
         shared: whether all views are given one histogram, half-way between theirs. Slices of all axes hold the same
             voxels, so that views with different histograms cannot all be met. Unless told, where they differ by more
             than a hundredth of the range of values.
 
     Raises:
         ValueError: no view, or one of another name; pictures of another form, hardly larger than the block, with
-            different numbers of channels, NaN or infinite values, or all of one colour; fewer than two crops.
+            different numbers of channels, NaN or infinite values, or all of one colour.
 
     Examples:
         >>> grain = np.random.default_rng(0).random((40, 40, 3))
-        >>> views = analyse_views({"xy": grain, "xz": grain}, 16, key=jax.random.key(0))
-        >>> views.statistics["xz"].average.shape
-        (3, 16, 9)
+        >>> align_views({"xy": grain, "xz": grain}, 16).pictures["xz"].shape
+        (40, 40, 3)
     """
-    pictures = _check_views(views, side)
-    if crops < 2:
-        raise ValueError(f"crops: {crops} show no range; give at least 2")
-    pooled = np.concatenate([each.reshape(-1, each.shape[2]) for each in pictures.values()])
+    given = _check_views(views, side)
+    pooled = np.concatenate([each.reshape(-1, each.shape[2]) for each in given.values()])
     mean, basis = _decorrelate(pooled)
-    channels: dict[str, Floats] = {name: (each - mean) @ basis for name, each in pictures.items()}
-    apart = _histograms_apart(list(channels.values()))
+    pictures: dict[str, Floats] = {name: (each - mean) @ basis for name, each in given.items()}
+    apart = _histograms_apart(list(pictures.values()))
     shared = apart > _DIFFER if shared is None else shared
     if shared:
-        channels = _share_histogram(channels)
+        pictures = _share_histogram(pictures)
+    return Views(pictures, mean, basis, pooled.min(axis=0), pooled.max(axis=0), apart, shared)
+
+
+def analyse_views(
+    pictures: Mapping[str, Floats], side: int, *, key: Array, crops: int = CROPS
+) -> dict[str, SliceStatistics]:
+    """Learn what slices of a block should be like.
+
+    Args:
+        pictures: of `Views`.
+        side: voxels along each edge of the block.
+        key: random key: where the crops are taken.
+        crops: of each view, spread over it.
+
+    Returns:
+        The statistics of slices across each axis that has a view.
+
+    Raises:
+        ValueError: crops that are all of one colour; fewer than two.
+
+    Examples:
+        >>> views = align_views({"xz": np.random.default_rng(0).random((40, 40, 3))}, 16)
+        >>> analyse_views(views.pictures, 16, key=jax.random.key(0))["xz"].average.shape
+        (3, 16, 9)
+    """
+    if crops < 2:
+        raise ValueError(f"crops: {crops} show no range; give at least 2")
     statistics = {}
-    for name, picture in channels.items():
+    for name, picture in pictures.items():
         corners = _spread_corners(picture.shape[:2], side, crops, jax.random.fold_in(key, AXES[name]))
         cut = np.stack([picture[row : row + side, column : column + side] for row, column in corners])
         if np.ptp(cut, axis=(1, 2)).max() == 0:
@@ -115,7 +130,7 @@ def analyse_views(
                 "picture with texture everywhere"
             )
         statistics[name] = analyse_crops(cut, picture.reshape(-1, picture.shape[2]))
-    return Views(statistics, mean, basis, pooled.min(axis=0), pooled.max(axis=0), apart, shared)
+    return statistics
 
 
 def _check_views(views: Mapping[str, npt.ArrayLike], side: int) -> dict[str, Floats]:
