@@ -34,7 +34,7 @@ class Carve:
     Another number, another piece. By default it repeats as it is."""
 
     def run(self) -> int:
-        from jaxtex.cli.solid_slice import read_solid
+        from jaxtex.cli.solids import read_solid
         from jaxtex.core.errors import InputError
         from jaxtex.io.files import place_for_file
 
