@@ -22,3 +22,16 @@ def read_solid(path: Path, *, vary: int | None) -> "Solid":
     from jaxtex.models.solid import make_solid
 
     return make_solid(voxels, offsets_seed=seed)
+
+
+def tell_format(path: Path, shape: tuple[int, int, int, int]) -> None:
+    """Print how a block [z, y, x, channel] lies in its files, where their format does not say so by itself."""
+    from jaxtex.io.voxels import block_files
+
+    depth, height, width, channels = shape
+    files = block_files(path, depth)
+    if path.suffix.lower() == ".exr":
+        print(f"  slices across z: {files[0].name} to {files[-1].name}")
+    elif path.suffix.lower() == ".raw":
+        print(f"  float32, little-endian, [z, y, x, channel] = [{depth}, {height}, {width}, {channels}] in C order")
+        print(f"  {files[-1].name} says so to other programs")
