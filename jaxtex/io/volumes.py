@@ -89,25 +89,26 @@ def write_vol(path: Path, parts: Parts, shape: Shape) -> None:
 
 def _nrrd_header(name: str, shape: Shape) -> str:
     depth, height, width, channels = shape
-    several = channels > 1
-    kind = {3: "RGB-color", 4: "RGBA-color"}.get(channels, "list")
-    axes: dict[str, list[object]] = {
-        "sizes": [*([channels] if several else []), width, height, depth],
-        "kinds": [*([kind] if several else []), *["domain"] * 3],
-        "space directions": [*(["none"] if several else []), "(1,0,0)", "(0,1,0)", "(0,0,1)"],
-    }
+    channel_kind = [{3: "RGB-color", 4: "RGBA-color"}.get(channels, "list")] if channels > 1 else []
+    sizes = [*[channels for _ in channel_kind], width, height, depth]
     lines = [
         "NRRD0004",
         "# float32 [z, y, x, channel] in C order, linear light",
         "type: float",
-        f"dimension: {len(axes['sizes'])}",
+        f"dimension: {len(sizes)}",
+        f"sizes: {_words(sizes)}",  # before the dimension of space, or VTK takes that for the array's
+        f"kinds: {_words([*channel_kind, *['domain'] * 3])}",
         "space dimension: 3",
-        *(f"{field}: {' '.join(map(str, values))}" for field, values in axes.items()),
+        f"space directions: {_words([*['none' for _ in channel_kind], '(1,0,0)', '(0,1,0)', '(0,0,1)'])}",
         "endian: little",
         "encoding: raw",
         f"data file: {name}",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _words(values: Iterable[object]) -> str:
+    return " ".join(map(str, values))
 
 
 def _slices(parts: Parts, shape: Shape) -> Iterator[npt.NDArray[np.float32]]:
