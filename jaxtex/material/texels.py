@@ -62,9 +62,9 @@ def find_faces(corners: Floats, side: int) -> Iterator[Found]:
     """
     best = np.full(side * side, np.inf, np.float32)
     owner = np.full(side * side, -1, np.int32)
-    solid = np.flatnonzero(areas_of(corners) > _FLAT)
-    low = np.clip(np.floor(corners[solid].min(axis=1) - REACH), 0, side - 1).astype(np.int64)
-    high = np.clip(np.ceil(corners[solid].max(axis=1) + REACH), 1, side).astype(np.int64)
+    whole = np.flatnonzero(areas_of(corners) > _FLAT)
+    low = np.clip(np.floor(corners[whole].min(axis=1) - REACH), 0, side - 1).astype(np.int64)
+    high = np.clip(np.ceil(corners[whole].max(axis=1) + REACH), 1, side).astype(np.int64)
     extent = high - low
     ends = np.cumsum(extent.prod(axis=1))
     total = int(ends[-1]) if len(ends) else 0
@@ -74,8 +74,8 @@ def find_faces(corners: Floats, side: int) -> Iterator[Found]:
         row, column = np.divmod(pair - (ends[which] - extent[which].prod(axis=1)), extent[which, 0])
         column, row = column + low[which, 0], row + low[which, 1]
         centres = np.stack([column, row], axis=1) + 0.5
-        near = _may_be_near(centres, corners[solid[which]])
-        face, texel = solid[which[near]], (row * side + column)[near]
+        near = _may_be_near(centres, corners[whole[which]])
+        face, texel = whole[which[near]], (row * side + column)[near]
         beyond = locate(centres[near], corners[face]).beyond.astype(np.float32)
         close = beyond <= REACH
         face, texel, beyond = face[close], texel[close], beyond[close]

@@ -12,6 +12,7 @@ from jaxtex.material.carving import areas_of
 _LENGTH = 1000.0  # of the mesh as xatlas gets it: shorter edges than 1e-4 are none to it
 _LARGEST_CHART = 0.01  # of the mesh's area: larger charts take xatlas ten times as long
 _PADDING = 4  # texels between charts, before they are scaled to fill the picture
+_LEAST_PADDING = 1.5  # texels after that: nearer, filters would mix charts
 _USED = 0.8  # of the side that xatlas is asked for: its charts need more room than it thinks
 
 
@@ -67,7 +68,14 @@ def unwrap_mesh(mesh: Mesh, *, side: int) -> Unwrapped:
     source, faces, uv = atlas[0]
     extent = np.array([atlas.width, atlas.height], np.float64)
     # Pictures repeat: what lies at opposite borders is as far apart as charts are.
-    texels = _PADDING / 2 + uv.astype(np.float64) * extent * ((side - _PADDING) / extent.max())
+    scale = (side - _PADDING) / extent.max()
+    if scale * _PADDING < _LEAST_PADDING:
+        larger = 1 << int(extent.max() - 1).bit_length()
+        raise InputError(
+            f"the mesh falls into {atlas.chart_count} charts, which a picture of {side} x {side} cannot hold apart; "
+            f"give a larger one, such as {larger}"
+        )
+    texels = _PADDING / 2 + uv.astype(np.float64) * extent * scale
     return Unwrapped(side, source.astype(np.int64), faces.astype(np.int64), texels)
 
 
