@@ -70,11 +70,8 @@ def unwrap_mesh(mesh: Mesh, *, side: int) -> Unwrapped:
     # Pictures repeat: what lies at opposite borders is as far apart as charts are.
     scale = (side - _PADDING) / extent.max()
     if scale * _PADDING < _LEAST_PADDING:
-        larger = 1 << int(extent.max() - 1).bit_length()
-        raise InputError(
-            f"the mesh falls into {atlas.chart_count} charts, which a picture of {side} x {side} cannot hold apart; "
-            f"give a larger one, such as {larger}"
-        )
+        told = f"a picture of {side} x {side} cannot hold the mesh's charts apart, {atlas.chart_count} in number"
+        raise InputError(f"{told}; give a larger one")
     texels = _PADDING / 2 + uv.astype(np.float64) * extent * scale
     return Unwrapped(side, source.astype(np.int64), faces.astype(np.int64), texels)
 
