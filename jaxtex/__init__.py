@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from jaxtex.material.adjacent import polygon_mesh as polygon_mesh
     from jaxtex.material.appearance import Appearance as Appearance
     from jaxtex.material.appearance import appearance_of as appearance_of
+    from jaxtex.material.baking import bake_solid as bake_solid
     from jaxtex.material.export import write_maps as write_maps
     from jaxtex.material.finish import finish_tiling as finish_tiling
     from jaxtex.material.floor import FloorMaps as FloorMaps
@@ -248,6 +249,7 @@ _PUBLIC = {
     "make_solid": "jaxtex.models.solid",
     "evaluate_solid": "jaxtex.material.solid",
     "carve_solid": "jaxtex.material.solid",
+    "bake_solid": "jaxtex.material.baking",
     "cut_solid": "jaxtex.material.solid",
     "draw_block": "jaxtex.material.solid",
     "optimise_solid": "jaxtex.synthesis.solid_optimisation",

@@ -1,23 +1,34 @@
-"""`jaxtex carve`: a mesh carved of a solid texture."""
+"""`jaxtex carve`: a mesh carved of a solid texture, with a colour to each vertex or with a picture laid on it."""
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
+
+from jaxtex.core.errors import InputError
+
+if TYPE_CHECKING:
+    from jaxtex.io.meshes import Mesh
+    from jaxtex.models.solid import Solid
+
+_BYTES = 90  # that each pixel of a texture takes at the most
 
 
 @dataclass(frozen=True, kw_only=True)
 class Carve:
-    """Carve a mesh of a solid texture: each vertex gets the colour of the block of voxels where it lies.
+    """Carve a mesh of a solid texture: each vertex gets the colour of the block of voxels where it lies, or --texture
+    lays a picture on the mesh each of whose pixels does.
 
     The middle of the mesh is put to the middle of the block. The mesh's axes are x right, y up, z towards the viewer;
-    the block's are x right, y down, z away. Beyond the block, the texture repeats. The finer the mesh, the more it
-    shows: detail finer than its triangles fades.
+    the block's are x right, y down, z away. Beyond the block, the texture repeats. Detail finer than what is
+    coloured fades: the finer the mesh or the larger the picture, the more shows.
 
     Example: jaxtex carve granite.npz --mesh bunny.ply -o granite_bunny.ply
 
     Example: jaxtex carve granite.npz --mesh statue.obj -o statue.glb --scale 4 --vary 1
+
+    Example: jaxtex carve granite.npz --mesh statue.obj -o statue.glb --texture 2048
     """
 
     block: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="BLOCK")]
@@ -25,7 +36,11 @@ class Carve:
     mesh: Path
     """The mesh: PLY, OBJ, STL, GLB ..."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
-    """The mesh to write, with a colour to each vertex: .ply (8-bit sRGB) or .glb."""
+    """The mesh to write: .glb, or with a colour to each vertex also .ply (8-bit sRGB)."""
+    texture: Annotated[int | None, tyro.conf.arg(metavar="PIXELS", help_behavior_hint="")] = None
+    """Lay a square picture of so many pixels to a side on the mesh instead of colouring its vertices. The mesh is
+    unwrapped by the package xatlas (pip install 'jaxtex[bake]'), which takes about a second for 10 000 triangles and
+    does not tell how far it is."""
     scale: float = 1.0
     """How many times as long as the block the mesh's bounding box is, by the longest sides of both. Larger numbers make
     the texture finer."""
@@ -34,25 +49,59 @@ class Carve:
     Another number, another piece. By default it repeats as it is."""
 
     def run(self) -> int:
-        from jaxtex.cli.solid_slice import read_solid
-        from jaxtex.core.errors import InputError
+        from jaxtex.cli.solids import read_solid
+
+        self._check()
+        solid = read_solid(self.block, vary=self.vary)
+
+        from jaxtex.io.meshes import read_mesh
+
+        mesh = read_mesh(self.mesh)
+        try:
+            (self._colour if self.texture is None else self._bake)(solid, mesh)
+        except InputError as error:
+            raise InputError(f"{self.mesh} carved of {self.block}: {error}") from None
+        return 0
+
+    def _check(self) -> None:
+        from jaxtex.cli.values import check_memory
         from jaxtex.io.files import place_for_file
 
         kind = self.output.suffix.lower()
         if kind not in (".ply", ".glb"):
             raise InputError(f"{self.output}: cannot be written as '{self.output.suffix}'; name it .ply or .glb")
         place_for_file(self.output)
-        solid = read_solid(self.block, vary=self.vary)
+        if self.texture is None:
+            return
+        if kind != ".glb":
+            raise InputError(f"--texture: {self.output} would hold no picture; name it .glb")
 
+        from jaxtex.material.baking import LARGEST_SIDE, SMALLEST_SIDE
+
+        if not SMALLEST_SIDE <= self.texture <= LARGEST_SIDE:
+            raise InputError(f"--texture: {self.texture} is out of range; give {SMALLEST_SIDE} to {LARGEST_SIDE}")
+        check_memory(f"--texture: {self.texture}", _BYTES * self.texture**2)
+
+    def _colour(self, solid: "Solid", mesh: "Mesh") -> None:
         from jaxtex.io.gltf import write_coloured_glb
-        from jaxtex.io.meshes import read_mesh, write_mesh
+        from jaxtex.io.meshes import write_mesh
         from jaxtex.material.solid import carve_solid
 
-        mesh = read_mesh(self.mesh)
-        try:
-            colours = carve_solid(solid, mesh, scale=self.scale)
-        except InputError as error:
-            raise InputError(f"{self.mesh} carved of {self.block}: {error}") from None
-        (write_mesh if kind == ".ply" else write_coloured_glb)(self.output, mesh, colours)
+        colours = carve_solid(solid, mesh, scale=self.scale)
+        (write_mesh if self.output.suffix.lower() == ".ply" else write_coloured_glb)(self.output, mesh, colours)
         print(f"{self.output}: a mesh of {len(mesh.vertices)} coloured vertices")
-        return 0
+
+    def _bake(self, solid: "Solid", mesh: "Mesh") -> None:
+        from jaxtex.cli.progress import reporting
+        from jaxtex.io.gltf import MaterialImages, write_glb
+        from jaxtex.io.images import to_bytes
+        from jaxtex.material.baking import bake_solid
+
+        assert self.texture is not None
+        with reporting(f"making {self.output}") as report:
+            baked = bake_solid(solid, mesh, side=self.texture, scale=self.scale, report=report)
+        write_glb(self.output, baked.mesh, MaterialImages(to_bytes(baked.picture, colour_space="srgb")), name="mesh")
+        print(
+            f"{self.output}: a mesh of {len(mesh.faces)} triangles, its texture {self.texture} x {self.texture} pixels"
+        )
+        print(f"  a pixel is {baked.texel:.2g} voxels long")

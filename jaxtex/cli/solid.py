@@ -32,7 +32,9 @@ class Solid:
     has rows along z and columns along y. With two pictures, slices across the third axis are left as the two make them.
 
     Writes OUT.npz with the array 'voxels' [z, y, x, channel], linear colours as float32. 'jaxtex carve' cuts meshes of
-    it, 'jaxtex solid-slice' shows it.
+    it, 'jaxtex solid-slice' shows it. For other programs: OUT.exr writes slices across z as OUT.0000.exr and so on;
+    OUT.raw bare float32 with a header beside it, OUT.nhdr, which ParaView and 3D Slicer open; OUT.vol a grid volume of
+    Mitsuba.
 
     Example: jaxtex solid --xy granite.jpg -n 128 -o granite.npz
 
@@ -46,7 +48,7 @@ class Solid:
     yz: Annotated[Path | None, tyro.conf.arg(metavar="PICTURE", help_behavior_hint="")] = None
     """What slices across x look like."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
-    """The block to write: .npz."""
+    """The block to write: .npz, or for other programs .exr, .raw or .vol."""
     side: Annotated[int, tyro.conf.arg(aliases=["-n"], metavar="VOXELS")] = 128
     """Voxels along each edge, of a pixel each. The pictures must be larger, by a quarter at least."""
     method: Literal["optimisation", "relaxation"] = "optimisation"
@@ -91,6 +93,7 @@ class Solid:
     def _check(self) -> None:
         from jaxtex.cli.values import check_memory
         from jaxtex.io.files import place_for_file
+        from jaxtex.io.voxels import check_block
 
         given = [path for path in (self.xy, self.xz, self.yz) if path is not None]
         if not given:
@@ -99,12 +102,10 @@ class Solid:
             raise InputError(f"--side: {self.side} is out of range; give a number from {_FEWEST} to {_MOST}")
         if self.iterations is not None and self.iterations < 1:
             raise InputError(f"--iterations: {self.iterations} is out of range; give 1 or more")
-        if self.output.suffix.lower() != ".npz":
-            raise InputError(f"{self.output}: cannot be written as '{self.output.suffix}'; name it .npz")
         if self.preview is not None and self.preview.resolve() in {each.resolve() for each in given}:
             raise InputError(f"--preview: {self.preview} would be written over; give another name")
         check_memory(f"--side: {self.side}", _BYTES * self.side**3)
-        place_for_file(self.output)
+        check_block(self.output, (self.side, self.side, self.side, 3))
         if self.preview is not None:
             place_for_file(self.preview)
 
@@ -163,7 +164,10 @@ class Solid:
         write_image(self.preview, srgb_to_linear(shown))
 
     def _tell(self, views: "Views", last: "SolidStep") -> None:
+        from jaxtex.cli.solids import tell_format
+
         print(f"{self.output}: a block of {self.side} x {self.side} x {self.side} voxels, tileable")
+        tell_format(self.output, (self.side, self.side, self.side, len(views.mean)))
         if last.done > 1:
             print(f"  {last.done} iterations; the last changed values by {100 * last.change:.1f} % of their spread")
         if len(views.pictures) > 1 and views.apart > 0:

@@ -62,6 +62,7 @@ class SolidSlice:
     Another number, another piece. By default it repeats as it is."""
 
     def run(self) -> int:
+        from jaxtex.cli.solids import read_solid
         from jaxtex.cli.values import parse_size
         from jaxtex.core.errors import InputError
         from jaxtex.io.files import place_for_file
@@ -115,23 +116,6 @@ class SolidSlice:
             raise InputError(f"--at: there is no slice {at} across {axis}; give 0 to {sides[axis] - 1}")
         x, y, z = ((at + 0.5) * component for component in _UNITS[axis])
         return _Plane((x, y, z), _UNITS[across], _UNITS[down], size or (sides[across], sides[down]))
-
-
-def read_solid(path: Path, *, vary: int | None) -> "Solid":
-    """The solid texture of a block's file, repeated at random offsets where `vary` is their seed.
-
-    Raises:
-        InputError: as `read_voxels`; a seed out of range.
-    """
-    from jaxtex.cli.values import check_seed
-    from jaxtex.io.voxels import read_voxels
-
-    seed = None if vary is None else check_seed(vary, option="--vary")
-    voxels = read_voxels(path)
-
-    from jaxtex.models.solid import make_solid
-
-    return make_solid(voxels, offsets_seed=seed)
 
 
 def _place_cut(solid: "Solid", vectors: dict[str, Vector], size: tuple[int, int] | None) -> _Plane:

@@ -2,7 +2,8 @@
 
 import os
 import secrets
-from collections.abc import Iterator
+import tempfile
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -33,6 +34,44 @@ def replacing(path: Path | str) -> Iterator[Path]:
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def replacing_together(paths: Sequence[Path | str]) -> Iterator[list[Path]]:
+    """Temporary names for files of one folder that belong together; they take their places when the block ends without
+    error, all or none.
+
+    What stood there stays until then, and is put back if a file cannot take its place. The names are the same, in a
+    folder of their own beside.
+
+    Args:
+        paths: the files to make or replace, at least one; their folder must exist.
+
+    Raises:
+        InputError: as `replacing`.
+
+    Examples:
+        >>> with replacing_together(["oak.raw", "oak.nhdr"]) as (numbers, header):
+        ...     _ = numbers.write_bytes(bytes(4)), header.write_text("NRRD0004")
+    """
+    places = [place_for_file(path) for path in paths]
+    with tempfile.TemporaryDirectory(prefix=f".{places[0].stem[:100]}.", dir=places[0].parent) as folder:
+        new, old = Path(folder) / "new", Path(folder) / "old"
+        new.mkdir()
+        old.mkdir()
+        yield [new / place.name for place in places]
+        try:
+            for place in places:
+                if place.exists():
+                    os.replace(place, old / place.name)
+                os.replace(new / place.name, place)
+        except BaseException:
+            for place in places:
+                if (old / place.name).exists():
+                    os.replace(old / place.name, place)
+                elif not (new / place.name).exists():
+                    place.unlink(missing_ok=True)
+            raise
 
 
 def place_for_file(path: Path | str) -> Path:

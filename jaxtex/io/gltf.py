@@ -33,6 +33,8 @@ LARGEST_FILE = 2**32 - 1
 _LINEAR, _LINEAR_MIPMAP_LINEAR, _REPEAT, _VERTICES, _INDICES = 9729, 9987, 10497, 34962, 34963
 _SAMPLER = {"magFilter": _LINEAR, "minFilter": _LINEAR_MIPMAP_LINEAR, "wrapS": _REPEAT, "wrapT": _REPEAT}
 
+_DULL = {"metallicFactor": 0, "roughnessFactor": 0.8}  # a dielectric
+
 _IOR_OF_8_PERCENT = 1.788789  # what a dielectric has that reflects so much at right angles
 
 
@@ -41,15 +43,17 @@ class MaterialImages(NamedTuple):
 
     Attributes:
         base_colour: [row, col, 3], encoded as sRGB.
-        normal: [row, col, 3], 0.5 n + 0.5 of unit vectors: x right, y up, z out of the surface.
-        surface: [row, col, 3]: ambient occlusion, roughness, metallic; each from 0 to 1 as it stands.
+        normal: [row, col, 3], 0.5 n + 0.5 of unit vectors: x right, y up, z out of the surface. None where the mesh's
+            own are the surface's.
+        surface: [row, col, 3]: ambient occlusion, roughness, metallic; each from 0 to 1 as it stands. None for a dull
+            dielectric in the open.
         specular: [row, col], encoded as sRGB: from 0 to 1, reflectance at right angles as a share of 8 %. None where it
             is 4 % everywhere, as glTF has it unless told.
     """
 
     base_colour: npt.NDArray[np.uint8]
-    normal: npt.NDArray[np.uint8]
-    surface: npt.NDArray[np.uint8]
+    normal: npt.NDArray[np.uint8] | None = None
+    surface: npt.NDArray[np.uint8] | None = None
     specular: npt.NDArray[np.uint8] | None = None
 
 
@@ -164,7 +168,7 @@ def _encode_coloured(mesh: Mesh, colours: npt.NDArray[np.float32], name: str) ->
     )
 
     def add_material(_: Any, tree: dict[str, Any]) -> None:
-        tree["materials"] = [{"name": name, "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.8}}]
+        tree["materials"] = [{"name": name, "pbrMetallicRoughness": _DULL}]
         tree["meshes"][0]["primitives"][0]["material"] = 0
 
     return _export(coloured, name, add_material)
@@ -189,18 +193,20 @@ def _add_material(buffers: Any, tree: dict[str, Any], images: MaterialImages, tr
         tree["textures"].append({"sampler": 0, "source": number})
         return {"index": number} | ({"extensions": {"KHR_texture_transform": transform}} if transform else {})
 
-    surface = use(images.surface)
+    material: dict[str, Any] = {"pbrMetallicRoughness": _DULL}
+    if images.surface is not None:
+        surface = use(images.surface)
+        material = {"pbrMetallicRoughness": {"metallicRoughnessTexture": surface}, "occlusionTexture": surface}
     extensions: dict[str, Any] = {}
     if images.specular is not None:
         grey = np.repeat(images.specular[..., None], 3, axis=-1)
         extensions["KHR_materials_ior"] = {"ior": _IOR_OF_8_PERCENT}
         extensions["KHR_materials_specular"] = {"specularColorTexture": use(grey)}
     tree["samplers"] = [_SAMPLER]
-    tree["materials"][0] |= {
-        "pbrMetallicRoughness": {"baseColorTexture": use(images.base_colour), "metallicRoughnessTexture": surface},
-        "normalTexture": use(images.normal),
-        "occlusionTexture": surface,
-    } | ({"extensions": extensions} if extensions else {})
+    material["pbrMetallicRoughness"] = {"baseColorTexture": use(images.base_colour)} | material["pbrMetallicRoughness"]
+    if images.normal is not None:
+        material["normalTexture"] = use(images.normal)
+    tree["materials"][0] |= material | ({"extensions": extensions} if extensions else {})
     used = [*extensions, *(["KHR_texture_transform"] if transform else [])]
     if used:
         tree["extensionsUsed"] = used

@@ -1,8 +1,8 @@
-"""Voxel blocks as `.npz` files: written part by part, and read."""
+"""Voxel blocks as files of several formats, written part by part; and read from `.npz`."""
 
 import math
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -10,21 +10,28 @@ import numpy.typing as npt
 
 from jaxtex.core.errors import InputError
 from jaxtex.io.arrays import read_arrays
-from jaxtex.io.files import replacing
+from jaxtex.io.files import place_for_file, replacing
+from jaxtex.io.volumes import Parts, Shape, check_stack, name_header, name_slices, write_raw, write_stack, write_vol
 
 
 def write_voxels(
     path: Path | str, parts: Iterable[npt.NDArray[np.float32]], *, shape: tuple[int, int, int, int]
 ) -> None:
-    """Write a block of voxels to a `.npz` file, key `voxels`, whole or not at all; it is never held in memory.
+    """Write a block of voxels, whole or not at all; it is never held in memory. The extension tells the format:
+
+    - `.npz`: float32, key `voxels`; `read_voxels` and `numpy.load` read it;
+    - `.exr`: slices across z as numbered files, oak.exr as oak.0000.exr and so on, of halves;
+    - `.raw`: bare float32, little-endian, channels fastest, then x, y, z; a NRRD header of the same name, `.nhdr`, says
+      so to ParaView, 3D Slicer and others;
+    - `.vol`: a grid volume of the renderer Mitsuba, version 3, float32.
 
     Args:
-        path: the file, *.npz; `numpy.load` reads it.
-        parts: [voxel, channel], some voxels at a time: row by row, slice by slice.
+        path: the file.
+        parts: [voxel, channel], linear light, some voxels at a time: row by row, slice by slice.
         shape: of the whole block [z, y, x, channel].
 
     Raises:
-        InputError: the file has another extension, or cannot be made.
+        InputError: as `check_block`, or a file cannot be made.
         ValueError: the parts are not a block of that shape.
 
     Examples:
@@ -32,23 +39,70 @@ def write_voxels(
         >>> np.load("oak.npz")["voxels"][2, 0, 0].tolist()
         [2.0, 2.0, 2.0]
     """
+    path = check_block(path, shape)
+    _WRITERS[path.suffix.lower()](path, _checked(parts, shape), shape)
+
+
+def check_block(path: Path | str, shape: tuple[int, int, int, int]) -> Path:
+    """`path` as a `Path`, once it is known that a block of that shape can be written there; for work that takes long.
+
+    Raises:
+        InputError: the extension is none of `write_voxels`; there is no such folder; of a stack of slices: there are
+            other than 1 or 3 channels, or slices of a deeper stack of that name lie there.
+
+    Examples:
+        >>> check_block("oak.vol", (4, 4, 4, 3)).name
+        'oak.vol'
+    """
     path = Path(path)
-    if path.suffix.lower() != ".npz":
-        raise InputError(f"{path}: cannot be written as '{path.suffix}'; name it .npz")
+    if path.suffix.lower() not in _WRITERS:
+        raise InputError(f"{path}: cannot be written as '{path.suffix}'; name it {', '.join(_WRITERS)}")
+    for each in block_files(path, shape[0]):
+        place_for_file(each)
+    if path.suffix.lower() == ".exr":
+        check_stack(path, shape)
+    return path
+
+
+def block_files(path: Path, depth: int) -> list[Path]:
+    """The files that `write_voxels` makes of a block of so many slices."""
+    kind = path.suffix.lower()
+    if kind == ".exr":
+        return name_slices(path, depth)
+    return [path, name_header(path)] if kind == ".raw" else [path]
+
+
+def _write_npz(path: Path, parts: Parts, shape: Shape) -> None:
     # With a date of its own, the same voxels give the same bytes.
     entry = zipfile.ZipInfo("voxels.npy", date_time=(1980, 1, 1, 0, 0, 0))
-    written = 0
-    with replacing(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
-        with archive.open(entry, "w", force_zip64=True) as file:
-            header = {"descr": "<f4", "fortran_order": False, "shape": shape}
-            np.lib.format.write_array_header_1_0(file, header)
-            for part in parts:
-                if part.shape[1:] != shape[3:]:
-                    raise ValueError(f"voxels of shape {part.shape} are no part of a block of shape {shape}")
-                file.write(np.ascontiguousarray(part, "<f4").tobytes())
-                written += len(part)
-        if written != math.prod(shape[:3]):
-            raise ValueError(f"there are {written} of the {math.prod(shape[:3])} voxels of a block of shape {shape}")
+    with (
+        replacing(path) as temporary,
+        zipfile.ZipFile(temporary, "w") as archive,
+        archive.open(entry, "w", force_zip64=True) as file,
+    ):
+        np.lib.format.write_array_header_1_0(file, {"descr": "<f4", "fortran_order": False, "shape": shape})
+        for part in parts:
+            file.write(part.tobytes())
+
+
+_WRITERS: dict[str, Callable[[Path, Parts, Shape], None]] = {
+    ".npz": _write_npz,
+    ".exr": write_stack,
+    ".raw": write_raw,
+    ".vol": write_vol,
+}
+
+
+def _checked(parts: Iterable[npt.NDArray], shape: Shape) -> Parts:
+    """The parts as little-endian float32, once each is known to belong to a block of that shape, and all to fill it."""
+    written, total = 0, math.prod(shape[:3])
+    for part in parts:
+        written += len(part)
+        if part.shape[1:] != shape[3:] or written > total:
+            raise ValueError(f"voxels of shape {part.shape} are no part of a block of shape {shape}")
+        yield np.ascontiguousarray(part, "<f4")
+    if written != total:
+        raise ValueError(f"there are {written} of the {total} voxels of a block of shape {shape}")
 
 
 def read_voxels(path: Path | str) -> npt.NDArray[np.float32]:

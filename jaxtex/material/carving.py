@@ -47,3 +47,16 @@ def mean_edge(points: npt.NDArray[np.floating], faces: npt.NDArray[np.integer]) 
     """
     corners = points[faces]
     return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).mean())
+
+
+def areas_of(corners: npt.NDArray[np.floating]) -> npt.NDArray[np.float64]:
+    """Areas [face] of triangles [face, 3, axis] of the plane or of space.
+
+    Examples:
+        >>> areas_of(np.array([[[0.0, 0], [2, 0], [0, 3]]])).tolist()
+        [3.0]
+    """
+    a, b = (corners[:, corner].astype(np.float64) - corners[:, 0] for corner in (1, 2))
+    if corners.shape[2] == 2:
+        return np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
+    return np.linalg.norm(np.cross(a, b), axis=1) / 2

@@ -71,13 +71,44 @@ def carve_solid(solid: Solid, mesh: Mesh, *, scale: float = 1.0) -> npt.NDArray[
     Raises:
         InputError: as `place_mesh`; a scale that is none; a block of other than 1 or 3 channels.
     """
+    placed = place_in_solid(solid, mesh, scale=scale)
+    colours = evaluate_solid(blur_solid(solid, 0.5 * mean_edge(placed, mesh.faces)), placed)
+    return np.ascontiguousarray(np.broadcast_to(colours, (len(colours), 3)))
+
+
+def place_in_solid(solid: Solid, mesh: Mesh, *, scale: float) -> npt.NDArray[np.float64]:
+    """Where the vertices [vertex, 3] of a mesh lie in a solid that it is carved of, as `carve_solid` has it.
+
+    Raises:
+        InputError: as `carve_solid`.
+    """
     if not 0 < scale <= _LARGEST_SCALE:
         raise InputError(f"scale: {scale:g} is none; give a number above 0, at most {_LARGEST_SCALE:g}")
     _check_colours(solid)
-    placed = place_mesh(mesh, longest=scale * max(solid.size))
-    spot = 0.5 * mean_edge(placed, mesh.faces)
-    colours = evaluate_solid(_blur(solid, spot) if spot > _SPOT else solid, placed + 0.5 * np.array(solid.size))
-    return np.ascontiguousarray(np.broadcast_to(colours, (len(colours), 3)))
+    return place_mesh(mesh, longest=scale * max(solid.size)) + 0.5 * np.array(solid.size)
+
+
+def blur_solid(solid: Solid, spot: float) -> Solid:
+    """A solid seen through a Gaussian spot.
+
+    Args:
+        solid: the texture.
+        spot: standard deviation in voxels; up to half a voxel, which sampling sees anyway, the solid stays as it is.
+
+    Examples:
+        >>> from jaxtex.models.solid import make_solid
+        >>> checks = make_solid(np.indices((4, 4, 4)).sum(axis=0)[..., None] % 2.0)
+        >>> blur_solid(checks, 4.0).voxels.std().round(3).item()
+        0.0
+    """
+    if spot <= _SPOT:
+        return solid
+    spectrum = fft.rfftn(np.asarray(solid.voxels, np.float32), axes=(0, 1, 2))
+    for axis, side in enumerate(solid.voxels.shape[:3]):
+        frequency = fft.rfftfreq(side) if axis == 2 else fft.fftfreq(side)
+        seen = np.exp(-2 * np.square(np.pi * spot * frequency)).astype(np.float32)
+        spectrum *= np.expand_dims(seen, [other for other in range(4) if other != axis])
+    return Solid(jnp.asarray(fft.irfftn(spectrum, solid.voxels.shape[:3], axes=(0, 1, 2))), solid.offsets)
 
 
 def cut_solid(
@@ -182,16 +213,6 @@ def _check_colours(solid: Solid) -> None:
     channels = solid.voxels.shape[-1]
     if channels not in (1, 3):
         raise InputError(f"the block has {channels} channels, which are no colours; give one of 1 (grey) or 3")
-
-
-def _blur(solid: Solid, spot: float) -> Solid:
-    """Seen through a Gaussian spot of such a standard deviation in voxels."""
-    spectrum = fft.rfftn(np.asarray(solid.voxels, np.float32), axes=(0, 1, 2))
-    for axis, side in enumerate(solid.voxels.shape[:3]):
-        frequency = fft.rfftfreq(side) if axis == 2 else fft.fftfreq(side)
-        seen = np.exp(-2 * np.square(np.pi * spot * frequency)).astype(np.float32)
-        spectrum *= np.expand_dims(seen, [other for other in range(4) if other != axis])
-    return Solid(jnp.asarray(fft.irfftn(spectrum, solid.voxels.shape[:3], axes=(0, 1, 2))), solid.offsets)
 
 
 def _view_axes() -> tuple[npt.NDArray[np.float64], ...]:

@@ -38,6 +38,30 @@ def test_one_picture_stands_for_all_views(view: Path, capsys: pytest.CaptureFixt
     assert "histograms" not in told
 
 
+@pytest.mark.parametrize(
+    ("kind", "files", "told"),
+    [
+        ("exr", [f"block.{z:04}.exr" for z in range(12)], "slices across z: block.0000.exr to block.0011.exr\n"),
+        ("raw", ["block.nhdr", "block.raw"], "[z, y, x, channel] = [12, 12, 12, 3] in C order\n  block.nhdr says so"),
+        ("vol", ["block.vol"], ""),
+    ],
+)
+def test_other_programs_get_the_same_block(
+    view: Path, kind: str, files: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for suffix in ("npz", kind):
+        assert solid("--xy", view, "-n", 12, "-o", view.with_name(f"block.{suffix}"), "--iterations", 1) == 0
+    assert told in capsys.readouterr().out
+    voxels = np.load(view.with_name("block.npz"))["voxels"]
+    assert sorted(path.name for path in view.parent.glob("block.*")) == sorted([*files, "block.npz"])
+    if kind == "exr":
+        read = np.stack([read_image(view.with_name(name)).pixels for name in files])
+    else:
+        data = view.with_name(files[-1]).read_bytes()
+        read = np.frombuffer(data[-4 * voxels.size :], "<f4").reshape(voxels.shape)
+    np.testing.assert_allclose(read, voxels, atol=5e-4 if kind == "exr" else 0)
+
+
 def test_pictures_that_differ_are_told(view: Path, capsys: pytest.CaptureFixture[str]) -> None:
     dark, block = view.with_name("dark.png"), view.with_name("block.npz")
     write_image(dark, 0.3 * read_image(view).pixels.mean(axis=2, keepdims=True))
@@ -63,6 +87,7 @@ def test_the_same_seed_makes_the_same_file(view: Path) -> None:
         (["--xy", "view.png", "-n", "7"], "--side: 7 is out of range"),
         (["--xy", "view.png", "-n", "16", "--iterations", "0"], "--iterations: 0 is out of range"),
         (["--xy", "view.png", "-n", "16", "-o", "block.png"], "block.png: cannot be written as '.png'; name it .npz"),
+        (["--xy", "view.png", "-n", "16", "-o", "block.vdb"], "'.vdb'; name it .npz, .exr, .raw, .vol"),
         (["--xy", "view.png", "-n", "16", "-o", "none/block.npz"], "there is no folder none"),
         (["--xy", "view.png", "-n", "16", "--preview", "view.png"], "--preview: view.png would be written over"),
         (["--xy", "view.png", "--xz", "flat.png", "-n", "16"], "view xz: is all of one colour"),

@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from glb import read_attribute, read_chunks
+from scipy import ndimage
 
 from jaxtex.cli.carve import Carve
 from jaxtex.cli.solid_slice import SolidSlice
@@ -12,8 +14,9 @@ from jaxtex.cli.usage import parse
 from jaxtex.core.colour import srgb_to_linear
 from jaxtex.core.errors import InputError
 from jaxtex.io.images import read_image
-from jaxtex.io.meshes import read_mesh
-from jaxtex.material.solid import carve_solid, cut_solid, draw_block
+from jaxtex.io.meshes import Mesh, read_mesh
+from jaxtex.material.baking import bake_solid
+from jaxtex.material.solid import carve_solid, cut_solid, draw_block, evaluate_solid, place_in_solid
 from jaxtex.models.solid import make_solid
 
 VOXELS = np.random.default_rng(0).random((5, 6, 7, 3)).astype(np.float32)
@@ -88,6 +91,29 @@ def test_a_mesh_is_carved(block: Path, ball: Path, kind: str, capsys: pytest.Cap
     if kind == "ply":
         colours = srgb_to_linear(carved.visual.vertex_colors[:, :3] / 255)
         np.testing.assert_allclose(colours, expected, atol=6e-3)
+    else:
+        np.testing.assert_allclose(read_attribute(*read_chunks(path), "COLOR_0"), expected, atol=1e-6)
+
+
+def test_a_mesh_is_carved_with_a_texture(block: Path, ball: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    one, other = block.with_name("one.glb"), block.with_name("other.glb")
+    words = ["--scale", "0.8", "--vary", "2", "--texture", "128"]
+    for path in (one, other):
+        assert run(Carve, block, "--mesh", ball, "-o", path, *words) == 0
+    assert one.read_bytes() == other.read_bytes()
+    told = f"{other}: a mesh of 1280 triangles, its texture 128 x 128 pixels\n  a pixel is 0.2 voxels long\n"
+    assert told in capsys.readouterr().out
+    solid, mesh = make_solid(VOXELS, offsets_seed=2), read_mesh(ball)
+    baked = bake_solid(solid, mesh, side=128, scale=0.8)
+    (read,) = trimesh.load_scene(one, process=False).geometry.values()
+    picture = srgb_to_linear(np.asarray(read.visual.material.baseColorTexture) / 255)
+    np.testing.assert_allclose(picture, np.clip(baked.picture, 0, 1), atol=6e-3)
+    np.testing.assert_allclose(read.visual.uv, baked.mesh.uv, atol=1e-6)
+    # At the vertices it has the solid's own colours.
+    column, row = read.visual.uv[:, 0] * 128 - 0.5, (1 - read.visual.uv[:, 1]) * 128 - 0.5
+    seen = [ndimage.map_coordinates(picture[..., n], [row, column], order=1, mode="grid-wrap") for n in range(3)]
+    colours = np.clip(evaluate_solid(solid, place_in_solid(solid, Mesh(read.vertices, read.faces), scale=0.8)), 0, 1)
+    assert np.sqrt(np.square(np.stack(seen, axis=-1) - colours).mean()) < 0.02
 
 
 def complain(command: type, folder: Path, *words: object) -> str:
@@ -138,6 +164,9 @@ def test_files_that_cannot_be_read_or_written_are_named(block: Path, ball: Path)
         ("ball.obj", "none/ball.ply", [], "there is no folder"),
         ("nowhere.ply", "ball.ply", [], "nowhere.ply: there is no such file"),
         ("dot.obj", "ball.ply", [], "block.npz: all vertices of the mesh lie at one point"),
+        ("ball.obj", "ball.ply", ["--texture", "64"], "ball.ply would hold no picture; name it .glb"),
+        ("ball.obj", "ball.glb", ["--texture", "8"], "--texture: 8 is out of range; give 16 to 8192"),
+        ("line.obj", "line.glb", ["--texture", "64"], "all triangles of the mesh are without an area"),
         ("ball.obj", "ball.ply", ["--scale", "0"], "scale: 0 is none"),
         ("ball.obj", "ball.ply", ["--vary", "4294967296"], "--vary: 4294967296 is out of range"),
     ],
@@ -146,5 +175,6 @@ def test_carvings_that_cannot_be_made_are_one_line(
     block: Path, ball: Path, mesh: str, output: str, words: list[str], told: str
 ) -> None:
     (block.parent / "dot.obj").write_text("v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n")
+    (block.parent / "line.obj").write_text("v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n")
     folder = block.parent
     assert told in complain(Carve, folder, block, "--mesh", folder / mesh, "-o", folder / output, *words)

@@ -6,7 +6,14 @@ from pathlib import Path
 import pytest
 
 from jaxtex.core.errors import InputError
-from jaxtex.io.files import atomic_write_bytes, atomic_write_text, existing_file, prepare_folder, replacing
+from jaxtex.io.files import (
+    atomic_write_bytes,
+    atomic_write_text,
+    existing_file,
+    prepare_folder,
+    replacing,
+    replacing_together,
+)
 
 
 def test_text_is_written_as_it_is(tmp_path: Path) -> None:
@@ -31,6 +38,25 @@ def test_a_block_that_fails_changes_nothing(tmp_path: Path, problem: type[BaseEx
         write_half()
     assert (tmp_path / "a.png").read_text() == "old"
     assert os.listdir(tmp_path) == ["a.png"]
+
+
+@pytest.mark.parametrize("missing", ["a", "b", "c"])
+def test_files_that_belong_together_are_replaced_together(tmp_path: Path, missing: str) -> None:
+    places = [tmp_path / name for name in "abc"]
+    for place in places[:2]:
+        place.write_text("old")
+
+    def write(names: str) -> None:
+        with replacing_together(places) as temporary:
+            for path in temporary:
+                if path.name in names:
+                    path.write_text("new")
+
+    with pytest.raises(FileNotFoundError):
+        write("abc".replace(missing, ""))
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a": "old", "b": "old"}
+    write("abc")
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == dict.fromkeys("abc", "new")
 
 
 def test_files_are_as_readable_as_others(tmp_path: Path) -> None:

@@ -1,8 +1,6 @@
 """Binary glTF: what clients find in the file, read without the library that wrote it, with trimesh, and by Khronos."""
 
 import io
-import json
-import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from glb import read_attribute, read_chunks
 from gltf_validator import complaints, find_validator, validate
 from PIL import Image
 
@@ -28,32 +27,6 @@ def make_images(*, specular: bool = False) -> MaterialImages:
     random = np.random.default_rng(0)
     colour, normal, surface = random.integers(0, 256, (3, ROWS, COLUMNS, 3), dtype=np.uint8)
     return MaterialImages(colour, normal, surface, surface[..., 0] if specular else None)
-
-
-def read_chunks(path: Path) -> tuple[dict[str, Any], bytes]:
-    """The two chunks of a binary glTF file, as section 4.4 of the specification has them."""
-    data = path.read_bytes()
-    magic, version, length, json_length, json_type = struct.unpack_from("<4sIII4s", data)
-    assert (magic, version, length, json_type) == (b"glTF", 2, len(data), b"JSON")
-    assert json_length % 4 == 0
-    tree = json.loads(data[20 : 20 + json_length])
-    binary_length, binary_type = struct.unpack_from("<I4s", data, 20 + json_length)
-    binary = data[28 + json_length :]
-    assert binary_type == b"BIN\0"
-    assert len(binary) == binary_length == tree["buffers"][0]["byteLength"]
-    for view in tree["bufferViews"]:
-        assert view["byteOffset"] % 4 == 0
-        assert view["byteOffset"] + view["byteLength"] <= binary_length
-    return tree, binary
-
-
-def read_attribute(tree: dict[str, Any], binary: bytes, name: str) -> np.ndarray:
-    (primitive,) = tree["meshes"][0]["primitives"]
-    accessor = tree["accessors"][primitive["indices"] if name == "indices" else primitive["attributes"][name]]
-    width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[accessor["type"]]
-    kind = {5125: "<u4", 5126: "<f4"}[accessor["componentType"]]
-    start = tree["bufferViews"][accessor["bufferView"]]["byteOffset"] + accessor.get("byteOffset", 0)
-    return np.frombuffer(binary, kind, accessor["count"] * width, start).reshape(-1, width)
 
 
 def read_texture(tree: dict[str, Any], binary: bytes, use: dict[str, Any]) -> np.ndarray:
@@ -99,6 +72,16 @@ def test_factors_leave_the_textures_as_they_are(tmp_path: Path) -> None:
     ior = extensions["KHR_materials_ior"]["ior"]
     assert ((ior - 1) / (ior + 1)) ** 2 == pytest.approx(0.08, abs=1e-6)
     assert set(extensions["KHR_materials_specular"]) == {"specularColorTexture"}
+
+
+def test_a_base_colour_alone_is_a_dull_dielectric(tmp_path: Path) -> None:
+    colour = make_images().base_colour
+    write_glb(tmp_path / "wall.glb", wall_mesh(4, 3), MaterialImages(colour))
+    tree, binary = read_chunks(tmp_path / "wall.glb")
+    assert set(uses_of(tree)) == {"baseColorTexture"}
+    assert np.array_equal(read_texture(tree, binary, uses_of(tree)["baseColorTexture"]), colour)
+    assert tree["materials"][0]["pbrMetallicRoughness"]["metallicFactor"] == 0
+    assert "occlusionTexture" not in tree["materials"][0]
 
 
 def test_occlusion_shares_the_image_of_roughness(tmp_path: Path) -> None:
@@ -295,6 +278,7 @@ def test_vertex_colours_that_cannot_be_written_are_refused(
 @pytest.mark.skipif(
     find_validator() is None, reason="needs Node and gltf-validator (make test installs it where there is npm)"
 )
-def test_khronos_has_nothing_to_say_of_vertex_colours(tmp_path: Path) -> None:
+def test_khronos_has_nothing_to_say_of_colours_alone(tmp_path: Path) -> None:
     write_coloured_glb(tmp_path / "a.glb", BALL_MESH, COLOURS)
-    assert complaints(validate(tmp_path / "a.glb")) == []
+    write_glb(tmp_path / "b.glb", SPHERE, MaterialImages(make_images().base_colour))
+    assert complaints(validate(tmp_path / "a.glb")) == complaints(validate(tmp_path / "b.glb")) == []

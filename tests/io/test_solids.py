@@ -6,6 +6,7 @@ import trimesh
 
 from jaxtex.core.colour import srgb_to_linear
 from jaxtex.core.errors import InputError
+from jaxtex.io.images import read_image
 from jaxtex.io.meshes import read_mesh, write_mesh
 from jaxtex.io.voxels import read_voxels, write_voxels
 
@@ -73,8 +74,83 @@ def test_a_block_is_whole_or_not_there(tmp_path):
         write_voxels(tmp_path / "block.npz", [part], shape=(2, 2, 2, 3))
     with pytest.raises(ValueError, match="no part of a block"):
         write_voxels(tmp_path / "block.npz", [part[:, :1]], shape=(2, 2, 2, 3))
-    with pytest.raises(InputError, match=r"name it \.npz"):
-        write_voxels(tmp_path / "block.raw", [part], shape=(5, 1, 1, 3))
+    assert not list(tmp_path.iterdir())
+
+
+BLOCK = np.random.default_rng(1).random((3, 4, 5, 3)).astype(np.float32)
+
+
+def in_parts(voxels: np.ndarray, *cuts: int) -> list[np.ndarray]:
+    return np.split(voxels.reshape(-1, voxels.shape[-1]), cuts)
+
+
+@pytest.mark.parametrize("cuts", [(), (7, 50), range(1, 60)])
+def test_a_stack_is_the_slices_across_z(tmp_path, cuts):
+    write_voxels(tmp_path / "oak.v2.exr", in_parts(BLOCK, *cuts), shape=BLOCK.shape)
+    names = [f"oak.v2.000{z}.exr" for z in range(3)]
+    assert sorted(path.name for path in tmp_path.iterdir()) == names
+    for name, across in zip(names, BLOCK, strict=True):
+        image = read_image(tmp_path / name)
+        assert image.colour_space == "linear"
+        np.testing.assert_allclose(image.pixels, across, atol=5e-4)
+
+
+@pytest.mark.parametrize("channels", [1, 2, 3])
+def test_bare_numbers_are_as_their_header_says(tmp_path, channels):
+    block = BLOCK[..., :channels]
+    write_voxels(tmp_path / "oak.raw", in_parts(block, 11), shape=block.shape)
+    header = (tmp_path / "oak.nhdr").read_text().splitlines()
+    assert header[0] == "NRRD0004"
+    fields = dict(line.split(": ") for line in header[1:] if not line.startswith("#"))
+    sizes = [int(word) for word in fields["sizes"].split()]
+    assert (fields["type"], fields["endian"], fields["encoding"]) == ("float", "little", "raw")
+    assert len(sizes) == int(fields["dimension"]) == len(fields["kinds"].split())
+    numbers = np.fromfile(tmp_path / fields["data file"], "<f4").reshape(sizes, order="F")
+    expected = np.moveaxis(block, (0, 1, 2, 3), (3, 2, 1, 0))
+    assert np.array_equal(numbers, expected if channels > 1 else expected[0])
+
+
+def test_a_grid_volume_is_as_mitsuba_documents_it(tmp_path):
+    write_voxels(tmp_path / "oak.vol", in_parts(BLOCK, 11), shape=BLOCK.shape)
+    data = (tmp_path / "oak.vol").read_bytes()
+    assert data[:4] == b"VOL\3"
+    kind, nx, ny, nz, channels = np.frombuffer(data[4:24], "<i4")
+    assert (kind, nx, ny, nz, channels) == (1, 5, 4, 3, 3)
+    np.testing.assert_allclose(np.frombuffer(data[24:48], "<f4"), [0, 0, 0, 1, 0.8, 0.6])
+    numbers = np.frombuffer(data[48:], "<f4")
+    for x, y, z, c in np.ndindex(5, 4, 3, 3):
+        assert numbers[((z * ny + y) * nx + x) * channels + c] == BLOCK[z, y, x, c]
+
+
+@pytest.mark.parametrize("kind", ["npz", "exr", "raw", "vol"])
+def test_a_block_that_fails_leaves_the_files_as_they_were(tmp_path, kind):
+    path = tmp_path / f"block.{kind}"
+    write_voxels(path, in_parts(BLOCK), shape=BLOCK.shape)
+    before = {each.name: each.read_bytes() for each in tmp_path.iterdir()}
+    for part in (BLOCK.reshape(-1, 3)[:-1], np.zeros((61, 3), np.float32)):
+        with pytest.raises(ValueError, match=r"part of a block|59 of the 60 voxels"):
+            write_voxels(path, [part], shape=BLOCK.shape)
+        assert {each.name: each.read_bytes() for each in tmp_path.iterdir()} == before
+    write_voxels(path, in_parts(BLOCK * 2), shape=BLOCK.shape)
+    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(before)
+
+
+def test_stacks_of_other_depths_do_not_mix(tmp_path):
+    write_voxels(tmp_path / "oak.exr", in_parts(BLOCK), shape=BLOCK.shape)
+    (tmp_path / "oak.final.exr").touch()
+    with pytest.raises(InputError, match=r"oak.0001.exr to oak.0002.exr of another stack"):
+        write_voxels(tmp_path / "oak.exr", in_parts(BLOCK[:1]), shape=(1, 4, 5, 3))
+    for each in ("oak.0001.exr", "oak.0002.exr"):
+        (tmp_path / each).unlink()
+    write_voxels(tmp_path / "oak.exr", in_parts(BLOCK[:1]), shape=(1, 4, 5, 3))
+    with pytest.raises(InputError, match="the block has 2 channels, and slices hold 1"):
+        write_voxels(tmp_path / "elm.exr", in_parts(BLOCK[..., :2]), shape=(3, 4, 5, 2))
+
+
+@pytest.mark.parametrize("name", ["block.vdb", "block.nhdr", "block"])
+def test_other_formats_are_told_which_there_are(tmp_path, name):
+    with pytest.raises(InputError, match=r"cannot be written as .*; name it \.npz, \.exr, \.raw, \.vol"):
+        write_voxels(tmp_path / name, in_parts(BLOCK), shape=BLOCK.shape)
     assert not list(tmp_path.iterdir())
 
 
