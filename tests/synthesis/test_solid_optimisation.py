@@ -39,7 +39,7 @@ def discs() -> np.ndarray:
 
 
 def fullness(slices: np.ndarray) -> float:
-    """The median share that dark things in slices fill of their bounding boxes: 0.79 of discs, less of ragged things."""
+    """The median share that dark things in slices fill of their bounding boxes: 0.79 of discs, ragged things less."""
     shares = []
     for each in slices:
         numbers, _ = label(each[..., 0] < 0.5)
