@@ -3,7 +3,7 @@ Ghazanfarpour and Freydier (Eurographics 1998).
 
     python fitting/solid_scene.py FOLDER --meshes MESHES -o scene.png
 
-FOLDER holds pictures as fitting/solids.py takes them, and onyx003.jpg; MESHES the bunny, the teapot, the cow and the
+FOLDER holds pictures as fitting/solids.py takes them; MESHES the bunny, the teapot, the cow and the
 armadillo. Each pixel has the colour of the solid where it sees the mesh: no detail is lost between vertices.
 """
 
@@ -22,9 +22,8 @@ from solids import KEY, METHODS, read_views
 
 import jaxtex as jt
 from jaxtex.cli.progress import progress
-from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
+from jaxtex.core.colour import srgb_to_linear
 from jaxtex.io.meshes import read_mesh, smooth_normals
-from jaxtex.synthesis.solid_views import AXES
 
 SIDE = 192
 SIZE = 1200, 560
@@ -207,8 +206,7 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("-o", "--output", type=Path, required=True, help="the picture to write")
     parser.add_argument("--method", choices=METHODS, default="relaxation", help="how blocks are made (%(default)s)")
     options = parser.parse_args(words)
-    onyx = linear_to_srgb(jt.read_image(options.folder / "onyx003.jpg").pixels)
-    materials = read_views(options.folder) | {"onyx": dict.fromkeys(AXES, onyx)}
+    materials = read_views(options.folder)
     scene = place_things(options.meshes, THINGS)
     chosen = [materials[thing.material] for thing in THINGS]
     make = METHODS[options.method]

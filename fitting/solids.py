@@ -3,12 +3,12 @@
     python fitting/solids.py FOLDER -o OUT
 
 FOLDER holds the faces of a wooden cube (mokume_CN03_A.png to _F.png, and _cut2.png, an oblique cut through it) and
-pictures of stone (granite_meta.png, marble006_dark.jpg). For each method, OUT/blocks.png shows views and blocks, as
-figure 1 of Dischler, Ghazanfarpour and Freydier (Eurographics 1998) does; OUT/turned.png blocks of one view turned, as
-figure 5; OUT/mixtures.png blocks whose views are of different materials; OUT/cut.png the cube's cut, that of blocks, of
-the wood model fitted to the cube's faces, and a face. OUT/solids.md and OUT/convergence.png have the figures: for each
-iteration of relaxation, the share of frequencies in the views' range and the distance from the views' histograms, and
-textures' distances from the cut.
+pictures of stone (granite_meta.png, marble006_dark.jpg, onyx003.jpg). For each method, OUT/blocks.png shows views and
+blocks, as figure 1 of Dischler, Ghazanfarpour and Freydier (Eurographics 1998) does; OUT/turned.png blocks of one view
+turned, as figure 5; OUT/mixtures.png blocks whose views are of different materials; OUT/hues.png blocks of three
+channels and of one; OUT/cut.png the cube's cut, that of blocks, of the wood model fitted to the cube's faces, and a
+face. OUT/solids.md and OUT/convergence.png have the figures: for each iteration of relaxation, the share of frequencies
+in the views' range and the distance from the views' histograms, and textures' distances from the cut and from views.
 """
 
 import argparse
@@ -16,7 +16,7 @@ import io
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 
@@ -31,7 +31,7 @@ from jaxtex.io.files import atomic_write_bytes, atomic_write_text, prepare_folde
 from jaxtex.material.wood import render_points
 from jaxtex.synthesis.portilla_simoncelli import portilla_simoncelli_distance
 from jaxtex.synthesis.solid_relaxation import measure_axis, relax_steps
-from jaxtex.synthesis.solid_views import AXES, CROPS, analyse_views
+from jaxtex.synthesis.solid_views import AXES, CROPS, ColourModel, analyse_views
 
 SIDE = 128
 KEY = jax.random.key(0)
@@ -57,13 +57,15 @@ class Progress(NamedTuple):
 def read_views(folder: Path) -> dict[str, Views]:
     """What blocks are made of. On the cube, x of voxels runs right along face A, y down, and z towards it."""
     stones = [
-        linear_to_srgb(jt.read_image(folder / name).pixels) for name in ("granite_meta.png", "marble006_dark.jpg")
+        linear_to_srgb(jt.read_image(folder / name).pixels)
+        for name in ("granite_meta.png", "marble006_dark.jpg", "onyx003.jpg")
     ]
     flat, end, left = (linear_to_srgb(jt.read_image(folder / f"mokume_CN03_{face}.png").pixels) for face in "ABC")
     side = left.swapaxes(0, 1)
     return {
         "granite": dict.fromkeys(AXES, stones[0]),
         "marble": dict.fromkeys(AXES, stones[1]),
+        "onyx": dict.fromkeys(AXES, stones[2]),
         "wood, two views": {"xy": flat, "yz": side},
         "wood, three views": {"xy": flat, "xz": end, "yz": side},
     }
@@ -146,6 +148,19 @@ def mix_views(materials: dict[str, Views]) -> dict[str, Views]:
     }
 
 
+def compare_hues(path: Path, materials: dict[str, Views]) -> list[list[str]]:
+    """Section 4.1: three independent channels, or one that tells the colour. Beside them, how far the middle slice
+    across z is from its view."""
+    blocks, lines = [], []
+    for name, views in materials.items():
+        made = [jt.synthesise_solid(views, SIDE, key=KEY, colours=each) for each in get_args(ColourModel)]
+        apart = [jt.sliced_wasserstein(views["xy"], block[SIDE // 2], key=KEY).total for block in made]
+        blocks.append(made)
+        lines.append([name, *(f"{each:.3f}" for each in apart)])
+    write_rows(path, materials, blocks)
+    return lines
+
+
 def fit_cube(source: Path) -> jt.Wood:
     """The wood model of the cube: end grain (face B) tells where the middle of the rings is, face C, held to that, the
     rest. The depth below C, and C's columns, are B's columns and rows."""
@@ -213,6 +228,7 @@ def main(words: Sequence[str] | None = None) -> None:
         write_rows(out / f"{name}.png", others, make_all(others))
     model = {"wood model fitted to faces B and C": cut_model(fit_cube(options.folder))}
     cuts = compare_cuts(options.folder, out, cut_blocks(materials, blocks) | model)
+    hues = compare_hues(out / "hues.png", materials)
     convergence = [
         [name, str(number), f"{100 * step.inside:.1f} %", f"{100 * step.apart:.2f} %"]
         for name, trace in traces.items()
@@ -224,6 +240,8 @@ def main(words: Sequence[str] | None = None) -> None:
         make_table(head, convergence),
         "\n![convergence](convergence.png)\n\nDistances from the real cut:\n",
         make_table(["cut", "patches", "statistics"], cuts),
+        "\nPatches of a slice from those of its view:\n",
+        make_table(["block", *get_args(ColourModel)], hues),
         "",
     ]
     atomic_write_text(out / "solids.md", "\n".join(page))

@@ -53,6 +53,9 @@ class Solid:
     histogram: Literal["auto", "shared", "own"] = "auto"
     """Voxels belong to slices of all axes, so pictures of different colours cannot all be met. 'shared' moves them to
     what lies between before the start, 'own' does not, and 'auto' does where they differ."""
+    colours: Literal["decorrelated", "single-hue"] = "decorrelated"
+    """'single-hue' is for materials whose colour is told by how light they are: a third of the work and of the memory,
+    and no false hues; of several hues all but one are lost."""
     seed: int = 0
     """Another number, another piece of the material."""
     preview: Annotated[Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="")] = None
@@ -73,8 +76,9 @@ class Solid:
 
         key = jax.random.key(self.seed)
         shared = {"auto": None, "shared": True, "own": False}[self.histogram]
+        first = jax.random.fold_in(key, 0)
         try:
-            views = analyse_views(self._read_views(), self.side, key=jax.random.fold_in(key, 0), shared=shared)
+            views = analyse_views(self._read_views(), self.side, key=first, shared=shared, colours=self.colours)
         except ValueError as error:
             raise InputError(str(error)) from None
         steps = relax_steps(views, key=jax.random.fold_in(key, 1), iterations=self.iterations)

@@ -18,7 +18,7 @@ from jax import Array, lax
 
 from jaxtex.core.compiling import SAME_EVERY_TIME
 from jaxtex.synthesis.slices import SliceStatistics, measure_slice, process_slice
-from jaxtex.synthesis.solid_views import AXES, CROPS, Views, analyse_views
+from jaxtex.synthesis.solid_views import AXES, CROPS, ColourModel, Views, analyse_views
 
 ITERATIONS = 10
 """How often all slices are processed at most, unless told. The paper: 2 or 3 times for wood, 10 for the worst."""
@@ -48,6 +48,7 @@ def synthesise_solid(
     key: Array,
     crops: int = CROPS,
     shared: bool | None = None,
+    colours: ColourModel = "decorrelated",
     iterations: int = ITERATIONS,
 ) -> npt.NDArray[np.float32]:
     """Make a solid texture whose slices look like the views.
@@ -57,7 +58,7 @@ def synthesise_solid(
             are left as the others make them.
         side: voxels along each edge.
         key: random key; another key, another piece of the texture.
-        crops, shared: as in `analyse_views`.
+        crops, shared, colours: as in `analyse_views`.
         iterations: how often all slices are processed, at most.
 
     Returns:
@@ -72,7 +73,7 @@ def synthesise_solid(
         >>> synthesise_solid({"xy": grain, "xz": grain}, 16, key=jax.random.key(0)).shape
         (16, 16, 16, 3)
     """
-    learnt = analyse_views(views, side, key=jax.random.fold_in(key, 0), crops=crops, shared=shared)
+    learnt = analyse_views(views, side, key=jax.random.fold_in(key, 0), crops=crops, shared=shared, colours=colours)
     *_, last = relax_steps(learnt, key=jax.random.fold_in(key, 1), iterations=iterations)
     return learnt.to_voxels(last.voxels)
 
