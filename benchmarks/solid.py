@@ -21,7 +21,7 @@ from timing import Result, Row, show, write_report
 
 from jaxtex.material.solid import evaluate_solid
 from jaxtex.models.solid import make_solid
-from jaxtex.synthesis.solid_relaxation import process_axis, synthesise_solid
+from jaxtex.synthesis.solid_relaxation import process_axis, relax_solid
 from jaxtex.synthesis.solid_views import AXES, align_views, analyse_views
 
 KEY = jax.random.key(0)
@@ -33,7 +33,7 @@ def main() -> None:
     options = parser.parse_args()
     if options.worker:
         view = granite(5 * options.worker // 4)
-        synthesise_solid(dict.fromkeys(AXES, view), options.worker, key=KEY, crops=2, iterations=2)
+        relax_solid(dict.fromkeys(AXES, view), options.worker, key=KEY, crops=2, iterations=2)
         print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
         return
     results = [time_iteration(), weigh_blocks(), time_points()]

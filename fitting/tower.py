@@ -9,13 +9,13 @@ Prints how far the joints of neighbouring walls are from meeting, and draws the 
 import argparse
 import os
 from pathlib import Path
-from typing import NamedTuple
 
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 
 import jax
 import numpy as np
 from numpy.typing import NDArray
+from raster import Floats, View, average_samples, rasterise
 from scipy import ndimage
 from tables import make_table
 
@@ -35,17 +35,6 @@ LAMP = np.array([0.75, 0.55, 0.36])  # towards it
 SKY, EXPOSURE = 0.25, 1.5
 SUPERSAMPLING = 3
 LEAST_PIXELS = 5  # to the height of a tile
-
-Floats = NDArray[np.float64]
-
-
-class View(NamedTuple):
-    """From where to where one looks, in metres, and the focal length in units of half the picture's height."""
-
-    eye: Floats
-    target: Floats
-    lens: float
-
 
 VIEWS = (
     View(np.array([2.6, 1.9, 7.6]), np.array([0.0, 2.0, 0.0]), 2.8),
@@ -96,28 +85,17 @@ def describe(layout: Layout) -> str:
 def draw_tower(layout: Layout, appearance: jt.Appearance, view: View, *, size: tuple[int, int]) -> NDArray[np.float32]:
     """The tower in perspective under a lamp, linear light; `size` is width and height."""
     width, height = size
-    fine = SUPERSAMPLING * np.array([width, height])
-    focal = 0.5 * view.lens * fine[1]
+    fine = SUPERSAMPLING * width, SUPERSAMPLING * height
     # A pixel of the maps is about one of the picture where it is nearest.
     near = np.linalg.norm(view.target - view.eye)
-    maps = render_sheet(layout, appearance, tile_pixels=focal * layout.tile_length / near)
-    mesh, camera = polygon_mesh(layout), look_at(view)
-    picture, depth = np.ones((fine[1], fine[0], 3)), np.full((fine[1], fine[0]), np.inf)
-    for face in mesh.faces:
-        seen = (mesh.vertices[face] - view.eye) @ camera.T  # right, up, away
-        pixels = 0.5 * fine + focal * seen[:, :2] / seen[:, 2:] * [1, -1]
-        rows, columns, uv = rasterise(depth, pixels, seen[:, 2], mesh.uv[face])
-        picture[rows, columns] = shade(uv, mesh, face, maps)
-    blocks = picture.reshape(height, SUPERSAMPLING, width, SUPERSAMPLING, 3)
-    return np.clip(blocks.mean(axis=(1, 3)), 0, 1).astype(np.float32)
-
-
-def look_at(view: View) -> Floats:
-    """Rows: the camera's right, up and forward."""
-    ahead = (view.target - view.eye) / np.linalg.norm(view.target - view.eye)
-    right = np.cross(ahead, [0.0, 1.0, 0.0])
-    right /= np.linalg.norm(right)
-    return np.stack([right, np.cross(right, ahead), ahead])
+    maps = render_sheet(layout, appearance, tile_pixels=0.5 * view.lens * fine[1] * layout.tile_length / near)
+    mesh = polygon_mesh(layout)
+    seen = rasterise(mesh.vertices, mesh.faces, view, fine)
+    picture = np.ones((*seen.face.shape, 3))
+    for number, face in enumerate(mesh.faces):
+        here = seen.face == number
+        picture[here] = shade(seen.share[here] @ mesh.uv[face], mesh, face, maps)
+    return average_samples(picture, SUPERSAMPLING)
 
 
 def render_sheet(layout: Layout, appearance: jt.Appearance, *, tile_pixels: float) -> jt.Maps:
@@ -126,32 +104,6 @@ def render_sheet(layout: Layout, appearance: jt.Appearance, *, tile_pixels: floa
     size = round(scale * layout.sheet.width), round(scale * layout.sheet.height)
     bands = jt.render_maps(layout.sheet, appearance, size=size, key=jax.random.key(0))
     return jt.Maps(*map(np.concatenate, zip(*bands, strict=True)))
-
-
-def rasterise(
-    depth: Floats, pixels: Floats, away: Floats, uv: Floats
-) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
-    """The pixels (rows, columns) where a triangle is nearest so far, and its texture coordinates there.
-
-    Args:
-        depth: of what was drawn before; changed where the triangle is nearer.
-        pixels: its corners on the picture, [3, 2]; of those that run clockwise there nothing is seen.
-        away: their distance along the view.
-        uv: their texture coordinates.
-    """
-    corners = np.column_stack([pixels, np.ones(3)])
-    low = np.clip(np.floor(pixels.min(axis=0)), 0, depth.shape[::-1]).astype(int)
-    high = np.clip(np.ceil(pixels.max(axis=0)), 0, depth.shape[::-1]).astype(int)
-    rows, columns = (part.ravel() for part in np.mgrid[low[1] : high[1], low[0] : high[0]])
-    if np.linalg.det(corners) >= 0:  # y is down
-        return rows[:0], columns[:0], uv[:0]
-    share = np.column_stack([columns + 0.5, rows + 0.5, np.ones(len(rows))]) @ np.linalg.inv(corners)
-    # What is linear in space is linear on the picture once divided by depth.
-    nearness = share @ (1 / away)
-    drawn = (share >= 0).all(axis=1) & (nearness > 1 / depth[rows, columns])
-    rows, columns, nearness = rows[drawn], columns[drawn], nearness[drawn]
-    depth[rows, columns] = 1 / nearness
-    return rows, columns, share[drawn] @ (uv / away[:, None]) / nearness[:, None]
 
 
 def shade(uv: Floats, mesh: TexturedMesh, face: NDArray[np.int64], maps: jt.Maps) -> Floats:

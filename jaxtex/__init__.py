@@ -149,7 +149,7 @@ if TYPE_CHECKING:
     from jaxtex.synthesis.quilting import quilting_steps as quilting_steps
     from jaxtex.synthesis.quilting import synthesise_quilting as synthesise_quilting
     from jaxtex.synthesis.solid_optimisation import optimise_solid as optimise_solid
-    from jaxtex.synthesis.solid_relaxation import synthesise_solid as synthesise_solid
+    from jaxtex.synthesis.solid_relaxation import relax_solid as relax_solid
     from jaxtex.synthesis.sources import Step as Step
     from jaxtex.synthesis.sources import blend_seams as blend_seams
     from jaxtex.synthesis.sources import copy_sources as copy_sources
@@ -253,7 +253,7 @@ _PUBLIC = {
     "cut_solid": "jaxtex.material.solid",
     "draw_block": "jaxtex.material.solid",
     "optimise_solid": "jaxtex.synthesis.solid_optimisation",
-    "synthesise_solid": "jaxtex.synthesis.solid_relaxation",
+    "relax_solid": "jaxtex.synthesis.solid_relaxation",
     "synthesise_quilting": "jaxtex.synthesis.quilting",
     "quilting_steps": "jaxtex.synthesis.quilting",
     "find_similar": "jaxtex.synthesis.nearest",

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import jaxtex as jt
+from jaxtex.io.meshes import Mesh, write_mesh
 from jaxtex.models.canonical import canonical
 
 SCRIPTS = Path(__file__).parents[1] / "fitting"
@@ -116,3 +117,50 @@ def test_tables_are_aligned(script: ModuleType) -> None:
         "| wide cell | 1    |",
         "|           | 22   |",
     ]
+
+
+@pytest.mark.parametrize("script", ["raster"], indirect=True)
+def test_the_nearest_triangle_is_seen(script: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(3)
+    vertices, faces = rng.normal(size=(60, 3)), rng.integers(60, size=(40, 3))  # some have no area
+    view, (width, height) = script.View(np.array([0.4, 1.0, 6.0]), np.array([0.1, 0.0, 0.0]), 2.5), (31, 22)
+    monkeypatch.setattr(script, "_AT_ONCE", 500)
+    seen = script.rasterise(vertices, faces, view, (width, height))
+    right, up, ahead = script.look_at(view)
+    for row in range(height):
+        for column in range(width):
+            x, y = (column + 0.5 - width / 2), (height / 2 - row - 0.5)
+            ray = ahead + (x * right + y * up) / (0.5 * view.lens * height)
+            nearest, number = np.inf, -1
+            for face, corners in enumerate(vertices[faces]):
+                # eye + t ray = share @ corners, with shares that sum to 1
+                matrix = np.vstack([np.column_stack([corners.T, -ray]), [1, 1, 1, 0]])
+                if abs(np.linalg.det(matrix)) > 1e-9:
+                    *share, distance = np.linalg.solve(matrix, [*view.eye, 1])
+                    if min(share) >= 0 and distance < nearest:
+                        nearest, number = distance, face
+            assert seen.face[row, column] == number
+            assert seen.away[row, column] == pytest.approx(nearest)
+            if number >= 0:
+                met = seen.share[row, column] @ vertices[faces[number]]
+                np.testing.assert_allclose(met, view.eye + nearest * ray, atol=1e-9)
+
+
+@pytest.mark.parametrize("script", ["solid_scene"], indirect=True)
+def test_carved_things_stand_on_the_ground_in_their_own_solid(script: ModuleType, tmp_path: Path) -> None:
+    corners = np.array([[1.0, 1, 1], [3, 1, 1], [1, 5, 1], [1, 1, 2]])
+    box = Mesh(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
+    write_mesh(tmp_path / "box.ply", box, np.zeros((4, 3)))
+    things = [
+        script.Thing("box.ply", "red", 2.0, (-1.5, 0.0), 90, 1.0),
+        script.Thing("box.ply", "", 1.0, (1.5, 0), 0, 2),
+    ]
+    scene = script.place_things(tmp_path, things)
+    assert scene.thing.tolist() == [0] * 4 + [1] * 4
+    np.testing.assert_allclose(scene.vertices[:4].min(axis=0)[1], 0, atol=1e-12)
+    np.testing.assert_allclose(np.ptp(scene.vertices[:4], axis=0), [0.5, 2, 1], atol=1e-6)
+    np.testing.assert_allclose(np.ptp(scene.points, axis=0).max(), 2 * script.SIDE)
+    solids = [jt.make_solid(np.full((2, 2, 2, 3), colour)) for colour in ([0.5, 0, 0], [0, 0, 0.5])]
+    picture = script.draw_scene(scene, solids, (80, 40))
+    red, blue = picture[..., 0] - picture[..., 2] > 0.1, picture[..., 2] - picture[..., 0] > 0.1
+    assert 0 < np.flatnonzero(red.any(axis=0)).max() < 40 < np.flatnonzero(blue.any(axis=0)).min()

@@ -11,7 +11,6 @@ from jaxtex.core.errors import InputError
 
 if TYPE_CHECKING:
     import numpy as np
-    from jax import Array
 
     from jaxtex.synthesis.solid_relaxation import SolidStep
     from jaxtex.synthesis.solid_views import Views
@@ -61,6 +60,9 @@ class Solid:
     histogram: Literal["auto", "shared", "own"] = "auto"
     """Voxels belong to slices of all axes, so pictures of different colours cannot all be met. 'shared' moves them to
     what lies between before the start, 'own' does not, and 'auto' does where they differ."""
+    colours: Literal["decorrelated", "single-hue"] = "decorrelated"
+    """'single-hue' is for materials whose colour is told by how light they are: a third of the work and of the memory,
+    and no false hues; of several hues all but one are lost."""
     seed: int = 0
     """Another number, another piece of the material."""
     preview: Annotated[Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="")] = None
@@ -72,19 +74,10 @@ class Solid:
         check_seed(self.seed)
         self._check()
 
-        import jax
-
         from jaxtex.core.colour import srgb_to_linear
         from jaxtex.io.voxels import write_voxels
-        from jaxtex.synthesis.solid_views import align_views
 
-        shared = {"auto": None, "shared": True, "own": False}[self.histogram]
-        try:
-            views = align_views(self._read_views(), self.side, shared=shared)
-            steps = self._begin(views, jax.random.key(self.seed))
-        except ValueError as error:
-            raise InputError(str(error)) from None
-        last = self._watch(views, steps)
+        views, last = self._make()
         voxels = srgb_to_linear(views.to_voxels(last.voxels))
         write_voxels(self.output, (each.reshape(-1, each.shape[-1]) for each in voxels), shape=voxels.shape)
         self._tell(views, last)
@@ -133,23 +126,32 @@ class Solid:
         }
         return views if len(views) > 1 else dict.fromkeys(paths, *views.values())
 
-    def _begin(self, views: "Views", key: "Array") -> "Iterator[SolidStep]":
-        from jaxtex.synthesis.solid_optimisation import optimise_steps
-        from jaxtex.synthesis.solid_relaxation import relax_steps
-
-        steps = optimise_steps if self.method == "optimisation" else relax_steps
-        given = {} if self.iterations is None else {"iterations": self.iterations}
-        return steps(views.pictures, self.side, key=key, **given)
-
-    def _watch(self, views: "Views", steps: "Iterator[SolidStep]") -> "SolidStep":
+    def _make(self) -> "tuple[Views, SolidStep]":
         from jaxtex.cli.progress import reporting
 
         with reporting(f"making {self.output}") as report:
+            views, steps = self._begin()
             for step in steps:
                 report(step.done, step.total)
                 if self.preview is not None:
                     self._show(views, step)
-        return step
+        return views, step
+
+    def _begin(self) -> "tuple[Views, Iterator[SolidStep]]":
+        import jax
+
+        from jaxtex.synthesis.solid_optimisation import optimise_steps
+        from jaxtex.synthesis.solid_relaxation import relax_steps
+        from jaxtex.synthesis.solid_views import align_views
+
+        shared = {"auto": None, "shared": True, "own": False}[self.histogram]
+        begin = optimise_steps if self.method == "optimisation" else relax_steps
+        given = {} if self.iterations is None else {"iterations": self.iterations}
+        try:
+            views = align_views(self._read_views(), self.side, shared=shared, colours=self.colours)
+            return views, begin(views.pictures, self.side, key=jax.random.key(self.seed), **given)
+        except ValueError as error:
+            raise InputError(str(error)) from None
 
     def _show(self, views: "Views", step: "SolidStep") -> None:
         import numpy as np

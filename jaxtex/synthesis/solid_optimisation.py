@@ -30,7 +30,7 @@ from jaxtex.core.compiling import SAME_EVERY_TIME
 from jaxtex.synthesis.exemplars import ExemplarLevel, analyse_levels, neighbourhood_weights
 from jaxtex.synthesis.slices import SliceStatistics
 from jaxtex.synthesis.solid_relaxation import SolidStep, change_of, process_block
-from jaxtex.synthesis.solid_views import AXES, align_views, analyse_views
+from jaxtex.synthesis.solid_views import AXES, ColourModel, align_views, analyse_views, apply_once
 
 ITERATIONS = 8
 """Turns at each resolution, unless told."""
@@ -64,17 +64,18 @@ def optimise_solid(
     *,
     key: Array,
     shared: bool | None = None,
+    colours: ColourModel = "decorrelated",
     iterations: int = ITERATIONS,
 ) -> npt.NDArray[np.float32]:
     """Make a solid texture whose slices look like the views, edges and things included.
 
-    It takes some ten times as long as `synthesise_solid`.
+    It takes some ten times as long as `relax_solid`.
 
     Args:
         views: as `align_views` takes them: two or three of "xy", "xz" and "yz".
         side: voxels along each edge.
         key: random key; another key, another piece of the texture.
-        shared: as in `align_views`.
+        shared, colours: as in `align_views`.
         iterations: turns at each resolution.
 
     Returns:
@@ -89,7 +90,7 @@ def optimise_solid(
         >>> optimise_solid({"xy": grain, "xz": grain}, 16, key=jax.random.key(0), iterations=2).shape
         (16, 16, 16, 3)
     """
-    aligned = align_views(views, side, shared=shared)
+    aligned = align_views(views, side, shared=shared, colours=colours)
     *_, last = optimise_steps(aligned.pictures, side, key=key, iterations=iterations)
     return aligned.to_voxels(last.voxels)
 
@@ -109,7 +110,7 @@ def optimise_steps(
     if iterations < 1:
         raise ValueError(f"iterations: {iterations} are too few; give at least 1")
     count = max(1, int(np.log2(side / _COARSEST)) + 1)
-    pyramids = _analyse_once(pictures, count)
+    pyramids = _analyse_levels(pictures, count)
     sides = [-(-side // 2**number) for number in range(count)]
     statistics = [
         analyse_views(
@@ -128,15 +129,15 @@ def _fold(key: Array, *numbers: int) -> Array:
     return key
 
 
-def _analyse_once(pictures: Mapping[str, Floats], count: int) -> dict[str, list[ExemplarLevel]]:
-    """From fine to coarse. One picture that stands for several views is looked at once."""
-    made: dict[int, list[ExemplarLevel]] = {}
-    for picture in pictures.values():
-        if id(picture) not in made:
-            coarsest = min(picture.shape[:2]) >> (count - 1)
-            known = np.ones(picture.shape[:2], bool)
-            made[id(picture)] = analyse_levels(picture.astype(np.float32), known, radius=_RADIUS, coarsest=coarsest)
-    return {name: made[id(picture)] for name, picture in pictures.items()}
+def _analyse_levels(pictures: Mapping[str, Floats], count: int) -> dict[str, list[ExemplarLevel]]:
+    """From fine to coarse."""
+
+    def analyse(picture: Floats) -> list[ExemplarLevel]:
+        coarsest = min(picture.shape[:2]) >> (count - 1)
+        known = np.ones(picture.shape[:2], bool)
+        return analyse_levels(picture.astype(np.float32), known, radius=_RADIUS, coarsest=coarsest)
+
+    return apply_once(analyse, pictures)
 
 
 def _optimise(

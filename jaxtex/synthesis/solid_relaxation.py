@@ -18,7 +18,7 @@ from jax import Array, lax
 
 from jaxtex.core.compiling import SAME_EVERY_TIME
 from jaxtex.synthesis.slices import SliceStatistics, measure_slice, process_slice
-from jaxtex.synthesis.solid_views import AXES, CROPS, align_views, analyse_views
+from jaxtex.synthesis.solid_views import AXES, CROPS, ColourModel, align_views, analyse_views
 
 ITERATIONS = 10
 """How often all slices are processed at most, unless told. The paper: 2 or 3 times for wood, 10 for the worst."""
@@ -41,13 +41,14 @@ class SolidStep(NamedTuple):
     change: float
 
 
-def synthesise_solid(
+def relax_solid(
     views: Mapping[str, npt.ArrayLike],
     side: int,
     *,
     key: Array,
     crops: int = CROPS,
     shared: bool | None = None,
+    colours: ColourModel = "decorrelated",
     iterations: int = ITERATIONS,
 ) -> npt.NDArray[np.float32]:
     """Make a solid texture whose slices look like the views.
@@ -58,7 +59,7 @@ def synthesise_solid(
         side: voxels along each edge.
         key: random key; another key, another piece of the texture.
         crops: as in `analyse_views`.
-        shared: as in `align_views`.
+        shared, colours: as in `align_views`.
         iterations: how often all slices are processed, at most.
 
     Returns:
@@ -70,10 +71,10 @@ def synthesise_solid(
 
     Examples:
         >>> grain = np.random.default_rng(0).random((24, 24, 3))
-        >>> synthesise_solid({"xy": grain, "xz": grain}, 16, key=jax.random.key(0)).shape
+        >>> relax_solid({"xy": grain, "xz": grain}, 16, key=jax.random.key(0)).shape
         (16, 16, 16, 3)
     """
-    aligned = align_views(views, side, shared=shared)
+    aligned = align_views(views, side, shared=shared, colours=colours)
     *_, last = relax_steps(aligned.pictures, side, key=key, crops=crops, iterations=iterations)
     return aligned.to_voxels(last.voxels)
 
@@ -90,7 +91,7 @@ def relax_steps(
 
     Args:
         pictures: of `Views`.
-        side, key, crops, iterations: as in `synthesise_solid`.
+        side, key, crops, iterations: as in `relax_solid`.
 
     Raises:
         ValueError: as `analyse_views`; no iteration.

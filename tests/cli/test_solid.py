@@ -70,6 +70,18 @@ def test_pictures_that_differ_are_told(view: Path, capsys: pytest.CaptureFixture
         assert told in capsys.readouterr().out
 
 
+def test_one_hue_is_told_by_one_channel(view: Path) -> None:
+    light = np.random.default_rng(0).uniform(0.1, 0.6, (24, 30, 1))
+    write_image(view, np.concatenate([light, light**2, np.zeros_like(light)], axis=2))
+    block, preview = view.with_name("block.npz"), view.with_name("preview.png")
+    words = ["--colours", "single-hue", "--iterations", 1, "--preview", preview]
+    assert solid("--xy", view, "-n", 16, "-o", block, *words) == 0
+    red, green, blue = np.moveaxis(np.load(block)["voxels"], -1, 0)
+    np.testing.assert_allclose(green, red**2, atol=0.01)
+    np.testing.assert_allclose(blue, 0, atol=1e-6)
+    assert read_image(preview).pixels.shape == (16, 48, 3)
+
+
 def test_the_same_seed_makes_the_same_file(view: Path) -> None:
     files = [view.with_name(f"{number}.npz") for number in range(3)]
     for file, seed in zip(files, (0, 0, 1), strict=True):

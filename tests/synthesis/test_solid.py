@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
-from jaxtex.synthesis.solid_relaxation import measure_axis, relax_steps, synthesise_solid
+from jaxtex.synthesis.solid_relaxation import measure_axis, relax_solid, relax_steps
 from jaxtex.synthesis.solid_views import AXES, CROPS, align_views, analyse_views
 
 KEY = jax.random.key(5)
@@ -32,7 +32,7 @@ def spread(block: np.ndarray) -> np.ndarray:
 def grain() -> np.ndarray:
     """Long along x: view xy and view xz show lines, view yz dots."""
     lines, dots = draw(0, (0.7, 6)), draw(1, (0.7, 0.7))
-    return synthesise_solid({"xy": lines, "xz": draw(2, (0.7, 6)), "yz": dots}, SIDE, key=KEY)
+    return relax_solid({"xy": lines, "xz": draw(2, (0.7, 6)), "yz": dots}, SIDE, key=KEY)
 
 
 def test_grain_runs_where_the_views_say(grain: np.ndarray) -> None:
@@ -43,7 +43,7 @@ def test_grain_runs_where_the_views_say(grain: np.ndarray) -> None:
 
 def test_turned_views_make_the_turned_block() -> None:
     """Figure 5: lines along y rather than x, and with two views the third axis as these make it."""
-    block = synthesise_solid({"xy": draw(0, (6, 0.7)), "yz": draw(2, (0.7, 6))}, SIDE, key=KEY)
+    block = relax_solid({"xy": draw(0, (6, 0.7)), "yz": draw(2, (0.7, 6))}, SIDE, key=KEY)
     along_z, along_y, along_x = spread(block)
     assert along_y < 0.5 * min(along_z, along_x)
 
@@ -74,9 +74,7 @@ def test_colours_stay_those_of_the_views(grain: np.ndarray) -> None:
 
 def test_the_same_key_makes_the_same_block(grain: np.ndarray) -> None:
     pictures = {"xy": draw(0, (2, 1)), "xz": draw(2, (1, 1))}
-    first, second, other = (
-        synthesise_solid(pictures, 12, key=jax.random.key(seed), iterations=2) for seed in (0, 0, 1)
-    )
+    first, second, other = (relax_solid(pictures, 12, key=jax.random.key(seed), iterations=2) for seed in (0, 0, 1))
     np.testing.assert_array_equal(first, second)
     assert np.abs(first - other).max() > 0.05
 
@@ -84,7 +82,7 @@ def test_the_same_key_makes_the_same_block(grain: np.ndarray) -> None:
 @pytest.mark.parametrize(("side", "channels"), [(15, 1), (16, 4)])
 def test_any_side_and_number_of_channels(side: int, channels: int) -> None:
     picture = np.random.default_rng(0).random((20, 31, channels))
-    block = synthesise_solid({"xz": picture}, side, key=KEY, iterations=1)
+    block = relax_solid({"xz": picture}, side, key=KEY, iterations=1)
     assert block.shape == (side, side, side, channels)
     assert np.isfinite(block).all()
 
@@ -115,6 +113,65 @@ def test_independent_channels_become_colours() -> None:
     np.testing.assert_allclose(views.to_voxels(channels), colours, atol=1e-5)
 
 
+def draw_hue(seed: int) -> np.ndarray:
+    """Grain of one hue: how light it is tells the colour, along a curve."""
+    light = draw(seed, (1, 3))[..., :1]
+    light = (light - light.min()) / np.ptp(light)
+    return 0.1 + 0.8 * np.concatenate([light**0.7, light, light**1.6], axis=2)
+
+
+def test_one_hue_is_met_by_one_channel() -> None:
+    """The colours are on the views' curve, as far from their neighbours as with three channels, and as often there."""
+    pictures = {"xy": draw_hue(0), "yz": draw_hue(1)}
+    views = align_views(pictures, SIDE, colours="single-hue")
+    assert [each.shape[2] for each in views.pictures.values()] == [1, 1]
+    one, three = (relax_solid(pictures, SIDE, key=KEY, colours=each) for each in ("single-hue", "decorrelated"))
+    light = (one[..., 1] - 0.1) / 0.8
+    np.testing.assert_allclose((one[..., 0] - 0.1) / 0.8, light**0.7, atol=0.02)
+    np.testing.assert_allclose((one[..., 2] - 0.1) / 0.8, light**1.6, atol=0.02)
+    np.testing.assert_allclose(spread(one), spread(three), rtol=0.1)
+    shares = np.linspace(0.02, 0.98, 9)
+    for channel in range(3):
+        wanted = np.quantile(np.stack(list(pictures.values()))[..., channel], shares)
+        np.testing.assert_allclose(np.quantile(one[..., channel], shares), wanted, atol=0.03)
+
+
+def test_grey_pictures_are_of_one_hue() -> None:
+    picture = draw(0, (1, 3))[..., :1]
+    for pixels in (picture, np.repeat(picture, 3, axis=2)):
+        views = align_views({"xy": pixels}, SIDE, colours="single-hue")
+        channels = (picture - picture.mean()).reshape(1, *picture.shape[:2], 1) * np.sqrt(pixels.shape[2])
+        as_given = views.to_voxels(jnp.asarray(channels))
+        np.testing.assert_allclose(as_given[:, :, 0], pixels, atol=1e-6)
+        made = relax_solid({"xy": pixels}, SIDE, key=KEY, colours="single-hue", iterations=2)
+        np.testing.assert_allclose(made, np.broadcast_to(made[..., :1], made.shape), atol=1e-6)
+        np.testing.assert_allclose([made.mean(), made.std()], [picture.mean(), picture.std()], rtol=0.03)
+
+
+def test_of_two_hues_one_channel_loses_one() -> None:
+    """Red and green spots, as light as each other, on black and white grain."""
+    light = draw(0, (1, 1)).mean(axis=2, keepdims=True)
+    hue = np.where(draw(3, (2, 2))[..., :1] > 0.5, 0.05, -0.05)
+    picture = np.concatenate([light + hue, light - hue, light], axis=2)
+    one, three = (relax_solid({"xy": picture}, SIDE, key=KEY, colours=each) for each in ("single-hue", "decorrelated"))
+    assert (three[..., 0] - three[..., 1]).std() == pytest.approx((2 * hue).std(), rel=0.1)
+    assert (one[..., 0] - one[..., 1]).std() < 0.4 * (2 * hue).std()
+
+
+def test_values_that_no_pixel_has_are_coloured_between_those_that_have() -> None:
+    light = (
+        np.where(np.indices((24, 24)).sum(axis=0) % 2, 0.1, 0.9)[..., None] + np.linspace(0, 0.01, 24)[:, None, None]
+    )
+    picture = np.concatenate([light, light**2], axis=2)
+    palette = align_views({"xy": picture}, 16, colours="single-hue").palette
+    assert palette is not None
+    red, green = palette.colours.T
+    assert (np.diff(palette.colours, axis=0) > 0).all()
+    middle = np.interp(0.5, red, green)
+    assert middle == pytest.approx(0.41, abs=0.02)  # half-way between 0.01 and 0.81, not 0.25
+    assert abs(np.diff(green, 2)).max() < 1e-3
+
+
 GRAIN = np.random.default_rng(0).random((20, 20, 3))
 SPECK = np.where(np.indices((400, 400)).min(axis=0)[..., None] > 398, GRAIN[0, 0], 1.0)
 
@@ -132,8 +189,9 @@ SPECK = np.where(np.indices((400, 400)).min(axis=0)[..., None] > 398, GRAIN[0, 0
         ({"xy": GRAIN}, {"crops": 1}, "crops: 1"),
         ({"xy": GRAIN}, {"iterations": 0}, "iterations: 0"),
         ({"xy": GRAIN}, {"side": 3}, "side: 3"),
+        ({"xy": GRAIN}, {"colours": "rgb"}, "colours: 'rgb' is none of decorrelated, single-hue"),
     ],
 )
 def test_what_cannot_be_made_is_told(views: dict, options: dict, complaint: str) -> None:
     with pytest.raises(ValueError, match=complaint):
-        synthesise_solid(views, **{"side": 16, "key": KEY, **options})
+        relax_solid(views, **{"side": 16, "key": KEY, **options})

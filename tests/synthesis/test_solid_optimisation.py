@@ -9,7 +9,7 @@ from scipy.ndimage import find_objects, gaussian_filter, label
 from jaxtex.synthesis import solid_optimisation
 from jaxtex.synthesis.exemplars import analyse_levels, look_around, neighbourhood_weights
 from jaxtex.synthesis.solid_optimisation import optimise_solid, optimise_steps
-from jaxtex.synthesis.solid_relaxation import synthesise_solid
+from jaxtex.synthesis.solid_relaxation import relax_solid
 from jaxtex.synthesis.solid_views import AXES, align_views
 
 KEY = jax.random.key(3)
@@ -52,7 +52,7 @@ def fullness(slices: np.ndarray) -> float:
 
 def test_things_stay_whole_and_sharp(discs: np.ndarray) -> None:
     """Slices through balls are discs; noise with the same frequencies and colours shows none."""
-    noise = synthesise_solid(dict.fromkeys(AXES, draw_discs()), 32, key=KEY)
+    noise = relax_solid(dict.fromkeys(AXES, draw_discs()), 32, key=KEY)
     for axis in range(3):
         made, relaxed = (fullness(np.moveaxis(each, axis, 0)) for each in (discs, noise))
         assert made > relaxed + 0.03
