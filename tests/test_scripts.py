@@ -164,3 +164,25 @@ def test_carved_things_stand_on_the_ground_in_their_own_solid(script: ModuleType
     picture = script.draw_scene(scene, solids, (80, 40))
     red, blue = picture[..., 0] - picture[..., 2] > 0.1, picture[..., 2] - picture[..., 0] > 0.1
     assert 0 < np.flatnonzero(red.any(axis=0)).max() < 40 < np.flatnonzero(blue.any(axis=0)).min()
+
+
+@pytest.mark.parametrize("script", ["solids"], indirect=True)
+def test_the_wood_of_a_cube_is_cut_where_the_cube_was(script: ModuleType) -> None:
+    """A trunk that stands upright in the cube, its axis at x = 40 and z = -300, seen from face C."""
+    wood = jt.make_wood(center=(-300.0 - 128, 40.0), ring_spacing=60.0, early_rgb=(0.5,) * 3, late_rgb=(0.1,) * 3)
+    shown = script.cut_model(wood)[..., 0]
+    column = np.arange(256) + 0.5
+    count = np.hypot(0.7 * 256 - 0.575 * column - 40, 256 - column + 300) / 60
+    early = np.sin(2 * np.pi * count) > np.cos(np.pi * 0.6)
+    assert ((shown > shown.mean()) == early[None, :]).mean() > 0.97
+
+
+@pytest.mark.parametrize("script", ["solids"], indirect=True)
+def test_rows_show_each_view_once(script: ModuleType) -> None:
+    grain = np.random.default_rng(0).random((40, 40, 3))
+    voxels = np.full((4, 4, 4, 3), 0.5)
+    one = script.draw_blocks({"xy": grain, "xz": grain, "yz": grain}, [voxels])
+    two = script.draw_blocks({"xy": grain, "yz": grain[::-1]}, [voxels, voxels])
+    assert (one.shape, two.shape) == ((384, 4 * 384, 3), (384, 5 * 384, 3))
+    assert (one[:, 384 : 3 * 384] == 1).all()
+    np.testing.assert_allclose(two[:40, 384:424], script.srgb_to_linear(grain[::-1]), atol=1e-6)

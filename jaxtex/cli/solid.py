@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from jaxtex.synthesis.solid_relaxation import SolidStep
     from jaxtex.synthesis.solid_views import Views
 
-_BYTES = 80  # that each voxel takes at the most
+_BYTES = 17  # that each channel of a voxel takes at the most: four blocks of float32, and a slice
+_PROGRAM = 1 << 29  # bytes that a process takes beside its block
 _MOST_PIXELS = 1 << 22
 _FEWEST, _MOST = 8, 512
 
@@ -78,8 +79,9 @@ class Solid:
         from jaxtex.io.voxels import write_voxels
 
         views, last = self._make()
-        voxels = srgb_to_linear(views.to_voxels(last.voxels))
-        write_voxels(self.output, (each.reshape(-1, each.shape[-1]) for each in voxels), shape=voxels.shape)
+        encoded = views.to_voxels(last.voxels)
+        parts = (srgb_to_linear(each).reshape(-1, each.shape[-1]) for each in encoded)
+        write_voxels(self.output, parts, shape=encoded.shape)
         self._tell(views, last)
         return 0
 
@@ -97,7 +99,8 @@ class Solid:
             raise InputError(f"--iterations: {self.iterations} is out of range; give 1 or more")
         if self.preview is not None and self.preview.resolve() in {each.resolve() for each in given}:
             raise InputError(f"--preview: {self.preview} would be written over; give another name")
-        check_memory(f"--side: {self.side}", _BYTES * self.side**3)
+        channels = 1 if self.colours == "single-hue" else 3
+        check_memory(f"--side: {self.side}", _PROGRAM + _BYTES * channels * self.side**3)
         check_block(self.output, (self.side, self.side, self.side, 3))
         if self.preview is not None:
             place_for_file(self.preview)

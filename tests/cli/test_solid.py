@@ -121,3 +121,12 @@ def test_what_cannot_be_done_is_told_in_one_line(
     assert told in error
     assert error.count("\n") == 1
     assert sorted(path.name for path in Path().iterdir()) == before
+
+
+@pytest.mark.parametrize(("words", "needed"), [([], "6.9"), (["--colours", "single-hue"], "2.6")])
+def test_blocks_beyond_the_memory_are_refused(
+    view: Path, words: list[str], needed: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("jaxtex.cli.values._physical_memory", lambda: 2 << 30)
+    assert solid("--xy", view, "-n", 512, "-o", view.with_name("block.npz"), *words) == 2
+    assert f"--side: 512 takes {needed} GiB of memory, and this machine has 2.0" in capsys.readouterr().err
