@@ -172,7 +172,7 @@ def fit_cube(source: Path) -> jt.Wood:
     return jt.fit_wood(side, fix={"xc": along, "yc": across + side.shape[0] / 2}).wood
 
 
-def cut_model(wood: jt.Wood) -> list[np.ndarray]:
+def cut_model(wood: jt.Wood) -> np.ndarray:
     """The model in the plane of the cut, encoded."""
     (width, height), half = PLANE["size"], 128.0
     rows, columns = np.mgrid[:height, :width] + 0.5
@@ -181,7 +181,7 @@ def cut_model(wood: jt.Wood) -> list[np.ndarray]:
         for start, across, down in zip(PLANE["origin"], PLANE["across"], PLANE["down"], strict=True)
     )
     below_face = np.stack([z - half, y - half, x], axis=-1).reshape(-1, 3)
-    return [linear_to_srgb(render_points(wood, below_face).reshape(height, width, 3))]
+    return linear_to_srgb(render_points(wood, below_face).reshape(height, width, 3))
 
 
 def compare_cuts(source: Path, folder: Path, made: dict[str, list[np.ndarray]]) -> list[list[str]]:
@@ -189,7 +189,11 @@ def compare_cuts(source: Path, folder: Path, made: dict[str, list[np.ndarray]]) 
     Upright, the cut is like face E: columns go against z, rows down."""
     lying, face = (linear_to_srgb(jt.read_image(source / f"mokume_CN03_{name}.png").pixels) for name in ("cut2", "E"))
     truth = np.rot90(lying)
-    made = made | {"face E as it is": [face], "a piece of face E, repeated": [np.tile(face[:SIDE, :SIDE], (2, 2, 1))]}
+    pieces = [face[row : row + SIDE, column : column + SIDE] for row in (0, SIDE) for column in (0, SIDE)]
+    made = made | {
+        "face E as it is": [face],
+        "a piece of face E, repeated": [np.tile(piece, (2, 2, 1)) for piece in pieces],
+    }
     shown = [
         np.pad(srgb_to_linear(each), ((0, 0), (0, 8), (0, 0)), constant_values=1)
         for each in (truth, *(cuts[0] for cuts in made.values()))
@@ -233,7 +237,7 @@ def main(words: Sequence[str] | None = None) -> None:
     write_rows(out / "blocks.png", materials, blocks)
     for name, others in (("turned", turn_views(materials["wood, two views"])), ("mixtures", mix_views(materials))):
         write_rows(out / f"{name}.png", others, make_all(others))
-    model = {"wood model fitted to faces B and C": cut_model(fit_cube(options.folder))}
+    model = {"wood model fitted to faces B and C": [cut_model(fit_cube(options.folder))]}
     cuts = compare_cuts(options.folder, out, cut_blocks(materials, blocks) | model)
     hues = compare_hues(out / "hues.png", materials)
     convergence = [

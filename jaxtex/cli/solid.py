@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from jaxtex.synthesis.solid_relaxation import SolidStep
     from jaxtex.synthesis.solid_views import Views
 
-_BYTES = 17  # that each channel of a voxel takes at the most: four blocks of float32, and a slice
-_PROGRAM = 1 << 29  # bytes that a process takes beside its block
+# Bytes that a process takes beside its block, and that each channel of a voxel takes at the most.
+_MEMORY = {"optimisation": (850 << 20, 26), "relaxation": (512 << 20, 17)}
 _MOST_PIXELS = 1 << 22
 _FEWEST, _MOST = 8, 512
 
@@ -100,7 +100,8 @@ class Solid:
         if self.preview is not None and self.preview.resolve() in {each.resolve() for each in given}:
             raise InputError(f"--preview: {self.preview} would be written over; give another name")
         channels = 1 if self.colours == "single-hue" else 3
-        check_memory(f"--side: {self.side}", _PROGRAM + _BYTES * channels * self.side**3)
+        program, voxel = _MEMORY[self.method]
+        check_memory(f"--side: {self.side}", program + voxel * channels * self.side**3)
         check_block(self.output, (self.side, self.side, self.side, 3))
         if self.preview is not None:
             place_for_file(self.preview)

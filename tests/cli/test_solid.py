@@ -123,7 +123,10 @@ def test_what_cannot_be_done_is_told_in_one_line(
     assert sorted(path.name for path in Path().iterdir()) == before
 
 
-@pytest.mark.parametrize(("words", "needed"), [([], "6.9"), (["--colours", "single-hue"], "2.6")])
+@pytest.mark.parametrize(
+    ("words", "needed"),
+    [([], "10.6"), (["--method", "relaxation"], "6.9"), (["--method", "relaxation", "--colours", "single-hue"], "2.6")],
+)
 def test_blocks_beyond_the_memory_are_refused(
     view: Path, words: list[str], needed: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
