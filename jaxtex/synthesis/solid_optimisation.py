@@ -43,6 +43,9 @@ _SEARCHED = 1 << 28  # pairs of neighbourhood and place that are all compared, a
 _CELL = 4  # pixels along the sides of the squares whose use is counted
 _ROBUST = 0.8  # the power of differences that is least in sum
 _LEAST = 0.01  # of the variance of neighbourhoods: smaller differences count alike
+_TIE = 1e-6  # of that variance: what differs less is the same
+_LARGEST = 4  # times as large as the block is what is used of a view at most
+_FAINT = 0.01  # of a view's variance: levels with less show nothing of it
 
 Floats = npt.NDArray[np.floating]
 Places = npt.NDArray[np.int32]
@@ -72,7 +75,8 @@ def optimise_solid(
     It takes some ten times as long as `relax_solid`.
 
     Args:
-        views: as `align_views` takes them: two or three of "xy", "xz" and "yz".
+        views: as `align_views` takes them: two or three of "xy", "xz" and "yz". Of pictures more than four times as
+            large as the block, the middle is used.
         side: voxels along each edge.
         key: random key; another key, another piece of the texture.
         shared, colours: as in `align_views`.
@@ -83,7 +87,7 @@ def optimise_solid(
         seamlessly along all three axes.
 
     Raises:
-        ValueError: as `align_views` and `analyse_views`; no iteration.
+        ValueError: as `align_views` and `analyse_views`; less than 8 voxels along an edge; no iteration.
 
     Examples:
         >>> grain = np.random.default_rng(0).random((24, 24, 3))
@@ -109,14 +113,15 @@ def optimise_steps(
     """
     if iterations < 1:
         raise ValueError(f"iterations: {iterations} are too few; give at least 1")
-    count = max(1, int(np.log2(side / _COARSEST)) + 1)
-    pyramids = _analyse_levels(pictures, count)
+    if side < 2 * _RADIUS + 2:
+        raise ValueError(f"side: {side} voxels are too few for neighbourhoods; give at least {2 * _RADIUS + 2}")
+    pyramids = _analyse_levels(pictures, side)
+    count = len(next(iter(pyramids.values())))
     sides = [-(-side // 2**number) for number in range(count)]
     statistics = [
+        # The same key takes crops at the same places of all levels.
         analyse_views(
-            {name: pyramid[number].pixels for name, pyramid in pyramids.items()},
-            sides[number],
-            key=_fold(key, 0, number),
+            {name: pyramid[number].pixels for name, pyramid in pyramids.items()}, sides[number], key=_fold(key, 0)
         )
         for number in range(count)
     ]
@@ -129,15 +134,21 @@ def _fold(key: Array, *numbers: int) -> Array:
     return key
 
 
-def _analyse_levels(pictures: Mapping[str, Floats], count: int) -> dict[str, list[ExemplarLevel]]:
-    """From fine to coarse."""
+def _analyse_levels(pictures: Mapping[str, Floats], side: int) -> dict[str, list[ExemplarLevel]]:
+    """From fine to coarse, as many of each view: until the block is small, or nothing is left of what a view shows."""
+    wanted = max(1, int(np.log2(side / _COARSEST)) + 1)
 
     def analyse(picture: Floats) -> list[ExemplarLevel]:
-        coarsest = min(picture.shape[:2]) >> (count - 1)
-        known = np.ones(picture.shape[:2], bool)
-        return analyse_levels(picture.astype(np.float32), known, radius=_RADIUS, coarsest=coarsest)
+        start = [max(0, (each - _LARGEST * side) // 2) for each in picture.shape[:2]]
+        middle = picture[tuple(slice(each, each + _LARGEST * side) for each in start)].astype(np.float32)
+        coarsest = min(middle.shape[:2]) >> (wanted - 1)
+        levels = analyse_levels(middle, np.ones(middle.shape[:2], bool), radius=_RADIUS, coarsest=coarsest)
+        contrast = [level.pixels.var(axis=(0, 1)).sum() for level in levels]
+        return levels[: sum(each > _FAINT * contrast[0] for each in contrast)]
 
-    return apply_once(analyse, pictures)
+    pyramids = apply_once(analyse, pictures)
+    count = min(map(len, pyramids.values()))
+    return {name: levels[:count] for name, levels in pyramids.items()}
 
 
 def _optimise(
@@ -156,7 +167,7 @@ def _optimise(
             coarse = {name: pyramid[number + 1] for name, pyramid in pyramids.items()}
             voxels = _enlarge(voxels, sides[number])
             places = {name: _descend(places[name], coarse[name], levels[name], sides[number]) for name in levels}
-        exemplars = {name: _gather(level) for name, level in levels.items()}
+        exemplars = apply_once(_gather, levels)
         for _ in range(iterations):
             before = voxels
             voxels, places = _improve(voxels, places, exemplars)
@@ -188,23 +199,27 @@ def _enlarge(voxels: Array, side: int) -> Array:
 
 
 def _descend(places: Array, coarse: ExemplarLevel, fine: ExemplarLevel, side: int) -> Array:
-    """Places of the next finer level: below those of the coarser one, as far from them as their voxels are."""
+    """Places of the next finer level: below those of the coarser one that are nearest to their voxels in the enlarged
+    block, and as far from what is below these."""
     above = np.asarray(places)
+    factor = side / len(above)
     at = np.arange(0, side, _SPACING)
-    nearest = np.minimum(at // 2 // _SPACING, above.shape[1] - 1)
-    away = at - 2 * _SPACING * nearest
-    above = above[np.arange(side)[:, None, None] // 2, nearest[:, None], nearest]
+    nearest = np.rint(((at + 0.5) / factor - 0.5) / _SPACING).astype(int)
+    away = at - ((_SPACING * nearest + 0.5) * factor - 0.5)
+    nearest = nearest % above.shape[1]
+    slices = ((np.arange(side) + 0.5) / factor).astype(int)
+    above = above[slices[:, None, None], nearest[:, None], nearest]
     rows, columns = fine.valid.shape
-    down = np.clip(2 * (above // coarse.valid.shape[1]) + away[:, None], 0, rows - 1)
-    right = np.clip(2 * (above % coarse.valid.shape[1]) + away, 0, columns - 1)
-    return jnp.asarray(fine.nearest_valid[down * columns + right])
+    down = np.floor(2 * (above // coarse.valid.shape[1]) + 1 + away[:, None]).astype(int)
+    right = np.floor(2 * (above % coarse.valid.shape[1]) + 1 + away).astype(int)
+    return jnp.asarray(fine.nearest_valid[np.clip(down, 0, rows - 1) * columns + np.clip(right, 0, columns - 1)])
 
 
 def _improve(
     voxels: Array, places: dict[str, Array], exemplars: dict[str, _Exemplar]
 ) -> tuple[Array, dict[str, Array]]:
     """Look for the places once, and take the mean of what they say."""
-    total, found = jnp.zeros((len(voxels) + 1, *voxels.shape[1:])), {}
+    total, found = jnp.zeros((len(voxels) + 1, *voxels.shape[1:]), voxels.dtype), {}
     for name, exemplar in exemplars.items():
         everywhere = places[name].size * exemplar.valid.size <= _SEARCHED
         found[name], distance = _find_places(voxels, places[name], exemplar, AXES[name], everywhere)
@@ -231,9 +246,10 @@ def _find_places(voxels: Array, places: Array, exemplar: _Exemplar, axis: int, e
     columns = valid.shape[1]
     cell = _number_cells(valid.shape)
     cells = -(-valid.shape[0] // _CELL) * -(-columns // _CELL)
-    usual = jnp.zeros(cells).at[cell].add(valid.ravel().astype(jnp.float32))
+    usual = jnp.zeros(cells, features.dtype).at[cell].add(valid.ravel().astype(features.dtype))
     usual = usual * (places.size / jnp.sum(usual))
     length = jnp.sum(features**2, axis=1)
+    tie = _TIE * jnp.sum(jnp.var(features, axis=0))
 
     def visit(used: Array, number: Array) -> tuple[Array, tuple[Array, Array]]:
         old = places[number]
@@ -243,17 +259,17 @@ def _find_places(voxels: Array, places: Array, exemplar: _Exemplar, axis: int, e
         seen = _look_around(slices[number]) @ basis
         if everywhere:
             distance = length[None] - 2 * (seen @ features.T) + jnp.sum(seen**2, axis=1)[:, None]
-            options = jnp.argmin(jnp.maximum(distance, 1e-9) * burden[None], axis=1)[:, None]
+            options = jnp.argmin(jnp.maximum(distance, tie) * burden[None], axis=1)[:, None]
         else:
             beside = jnp.stack([places[number - 1], old, places[(number + 1) % len(places)]])
-            options = _list_options(beside, similar, valid.shape)
+            options = _list_options(beside, similar, valid.shape, slices.shape[1:3])
         distance = jnp.sum((features[options] - seen[:, None]) ** 2, axis=-1)
-        best = jnp.argmin(jnp.maximum(distance, 1e-9) * burden[options], axis=1)[:, None]
+        best = jnp.argmin(jnp.maximum(distance, tie) * burden[options], axis=1)[:, None]
         place, distance = (jnp.take_along_axis(each, best, axis=1)[:, 0] for each in (options, distance))
         used = used.at[cell[place]].add(1.0)
         return used, (place.reshape(old.shape).astype(jnp.int32), distance.reshape(old.shape))
 
-    used = jnp.zeros(cells).at[cell[places]].add(1.0)
+    used = jnp.zeros(cells, features.dtype).at[cell[places]].add(1.0)
     return lax.scan(visit, used, jnp.arange(len(places)))[1]
 
 
@@ -273,24 +289,32 @@ def _look_around(pixels: Array) -> Array:
     return weighted.reshape(len(weighted), -1)
 
 
-def _list_options(beside: Array, similar: Array, shape: tuple[int, ...]) -> Array:
+def _list_options(beside: Array, similar: Array, shape: tuple[int, ...], sides: tuple[int, ...]) -> Array:
     """Places that may fit, for each of a lattice of neighbourhoods, [place, option].
 
     Args:
         beside: places of the slice before, of the same slice, and of that after it, [3, row, col].
         similar: [place, similar].
         shape: of the view.
+        sides: of the slice, in voxels.
     """
-    steps = jnp.arange(-1, 2)
     _, rows, columns = beside.shape
-    row, column = ((jnp.arange(side)[:, None] + steps[None]) % side for side in (rows, columns))
+    (row, above), (column, left) = (_step_aside(*each) for each in zip((rows, columns), sides, strict=True))
     around = similar[beside[1][row[:, None, :, None], column[None, :, None, :]]]  # [row, col, step, step, similar]
-    down = around // shape[1] - _SPACING * steps[None, None, :, None, None]
-    right = around % shape[1] - _SPACING * steps[None, None, None, :, None]
+    down = around // shape[1] + above[:, None, :, None, None]
+    right = around % shape[1] + left[None, :, None, :, None]
     inside = (down >= 0) & (down < shape[0]) & (right >= 0) & (right < shape[1])
     continued = jnp.where(inside, down * shape[1] + right, beside[1][:, :, None, None, None])
     across = jnp.moveaxis(similar[beside[::2]], 0, 2)
     return jnp.concatenate([continued.reshape(rows * columns, -1), across.reshape(rows * columns, -1)], axis=1)
+
+
+def _step_aside(count: int, side: int) -> tuple[Array, Array]:
+    """Along one axis of the lattice: who comes before each, itself, and who after, and how many voxels it is from each
+    of these, [count, 3]. Where an odd side ends, the next is nearer."""
+    beside = (jnp.arange(count)[:, None] + jnp.arange(-1, 2)[None]) % count
+    away = _SPACING * (jnp.arange(count)[:, None] - beside)
+    return beside, (away + side // 2) % side - side // 2
 
 
 @partial(jax.jit, static_argnums=4, donate_argnums=0, compiler_options=SAME_EVERY_TIME)
@@ -303,7 +327,7 @@ def _add_places(total: Array, places: Array, distance: Array, exemplar: _Exempla
     shape = slices.shape[1:3]
     row, column = ((jnp.arange(0, side, _SPACING)[:, None] + taps[None]) % side for side in shape)
     near = (jnp.asarray(neighbourhood_weights(_RADIUS)) ** 2).reshape(len(taps), -1)
-    spread = jnp.sum(jnp.var(features, axis=0))
+    spread = jnp.maximum(jnp.sum(jnp.var(features, axis=0)), jnp.finfo(features.dtype).tiny)
     # The weights that make the sum of the power least: iteratively reweighted least squares.
     counts = (distance / spread + _LEAST) ** (_ROBUST / 2 - 1)
 

@@ -100,7 +100,7 @@ def relax_steps(
         raise ValueError(f"iterations: {iterations} are too few; give at least 1")
     statistics = analyse_views(pictures, side, key=jax.random.fold_in(key, 0), crops=crops)
     channels = next(iter(pictures.values())).shape[2]
-    noise = jax.random.normal(jax.random.fold_in(key, 1), (channels, side, side, side))
+    noise = jax.random.normal(jax.random.fold_in(key, 1), (channels, side, side, side), jnp.float32)
     return _relax(statistics, noise, iterations)
 
 
