@@ -204,7 +204,7 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("folder", type=Path, help="pictures of solids")
     parser.add_argument("--meshes", type=Path, required=True, metavar="MESHES", help="folder of meshes")
     parser.add_argument("-o", "--output", type=Path, required=True, help="the picture to write")
-    parser.add_argument("--method", choices=METHODS, default="relaxation", help="how blocks are made (%(default)s)")
+    parser.add_argument("--method", choices=METHODS, default="optimisation", help="how blocks are made (%(default)s)")
     options = parser.parse_args(words)
     materials = read_views(options.folder)
     scene = place_things(options.meshes, THINGS)

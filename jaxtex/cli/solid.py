@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import tyro
 
@@ -15,10 +15,20 @@ if TYPE_CHECKING:
     from jaxtex.synthesis.solid_relaxation import SolidStep
     from jaxtex.synthesis.solid_views import Views
 
-# Bytes that a process takes beside its block, and that each channel of a voxel takes at the most.
-_MEMORY = {"optimisation": (850 << 20, 26), "relaxation": (512 << 20, 17)}
+
+class _Memory(NamedTuple):
+    """Bytes at the most: of the process itself, each voxel, each of its channels, and each pixel of a picture."""
+
+    process: int
+    voxel: int
+    channel: int
+    pixel: int
+
+
+_MEMORY = {"optimisation": _Memory(820 << 20, 41, 12, 600), "relaxation": _Memory(512 << 20, 0, 17, 150)}
 _MOST_PIXELS = 1 << 22
 _FEWEST, _MOST = 8, 512
+_LARGEST_SHRINK = 100
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +65,8 @@ class Solid:
     """'optimisation' puts the block together of what the pictures show around each place, so that edges, veins and
     things stay whole. 'relaxation' gives noise the pictures' frequencies and colours: ten times as quick, and as good
     for even grain."""
+    shrink: float = 1.0
+    """Make the pictures so many times smaller first: for patterns that are too large for the block."""
     iterations: Annotated[int | None, tyro.conf.arg(help_behavior_hint="")] = None
     """How often all slices are gone over: 'optimisation' does so at each of some sizes of the block, 8 times unless
     told, 'relaxation' at most 10 times."""
@@ -86,7 +98,6 @@ class Solid:
         return 0
 
     def _check(self) -> None:
-        from jaxtex.cli.values import check_memory
         from jaxtex.io.files import place_for_file
         from jaxtex.io.voxels import check_block
 
@@ -95,13 +106,12 @@ class Solid:
             raise InputError("--xy: give a picture; one alone stands for all three views")
         if not _FEWEST <= self.side <= _MOST:
             raise InputError(f"--side: {self.side} is out of range; give a number from {_FEWEST} to {_MOST}")
+        if not 1 <= self.shrink <= _LARGEST_SHRINK:
+            raise InputError(f"--shrink: {self.shrink:g} is out of range; give a number from 1 to {_LARGEST_SHRINK}")
         if self.iterations is not None and self.iterations < 1:
             raise InputError(f"--iterations: {self.iterations} is out of range; give 1 or more")
         if self.preview is not None and self.preview.resolve() in {each.resolve() for each in given}:
             raise InputError(f"--preview: {self.preview} would be written over; give another name")
-        channels = 1 if self.colours == "single-hue" else 3
-        program, voxel = _MEMORY[self.method]
-        check_memory(f"--side: {self.side}", program + voxel * channels * self.side**3)
         check_block(self.output, (self.side, self.side, self.side, 3))
         if self.preview is not None:
             place_for_file(self.preview)
@@ -112,6 +122,7 @@ class Solid:
 
         from jaxtex.core.colour import linear_to_srgb
         from jaxtex.io.images import read_image
+        from jaxtex.photo.evidence import shrink
 
         paths = {"xy": self.xy, "xz": self.xz, "yz": self.yz}
         images = {name: read_image(path) for name, path in paths.items() if path is not None}
@@ -124,11 +135,25 @@ class Solid:
             if image.alpha is not None and image.alpha.min() < 1:
                 raise InputError(f"--{name}: {paths[name]} is transparent in places; give an opaque picture")
         most = max(image.pixels.shape[2] for image in images.values())
-        views = {
-            name: linear_to_srgb(np.broadcast_to(image.pixels, (*image.pixels.shape[:2], most)))
+        pictures = {
+            name: shrink(image.pixels, round(max(image.width, image.height) / self.shrink))
             for name, image in images.items()
         }
+        self._check_memory(pictures, most)
+        views = {
+            name: linear_to_srgb(np.broadcast_to(picture, (*picture.shape[:2], most)))
+            for name, picture in pictures.items()
+        }
         return views if len(views) > 1 else dict.fromkeys(paths, *views.values())
+
+    def _check_memory(self, pictures: "dict[str, np.ndarray]", channels: int) -> None:
+        from jaxtex.cli.values import check_memory
+
+        memory = _MEMORY[self.method]
+        each = memory.voxel + memory.channel * (1 if self.colours == "single-hue" else channels)
+        pixels = sum(picture.shape[0] * picture.shape[1] for picture in pictures.values())
+        needed = memory.process + each * self.side**3 + memory.pixel * pixels
+        check_memory(f"--side: {self.side}", needed)
 
     def _make(self) -> "tuple[Views, SolidStep]":
         from jaxtex.cli.progress import reporting
@@ -174,8 +199,14 @@ class Solid:
 
         print(f"{self.output}: a block of {self.side} x {self.side} x {self.side} voxels, tileable")
         tell_format(self.output, (self.side, self.side, self.side, len(views.mean)))
-        if last.done > 1:
+        if self.method == "relaxation" and last.done > 1:
             print(f"  {last.done} iterations; the last changed values by {100 * last.change:.1f} % of their spread")
+        rows, columns = next(iter(views.pictures.values())).shape[:2]
+        if min(rows, columns) >= 2 * self.side:
+            print(
+                f"  a voxel is a pixel: the block shows {self.side} x {self.side} pixels of {columns} x {rows}; with "
+                f"--shrink {min(rows, columns) / (2 * self.side):.2g} it shows more, smaller"
+            )
         if len(views.pictures) > 1 and views.apart > 0:
             met = "moved to one between them" if views.shared else "left as they are"
             print(f"  the pictures' histograms lie up to {100 * views.apart:.1f} % of the range apart: {met}")

@@ -27,10 +27,13 @@ class RandomOffsets(eqx.Module):
     Attributes:
         seed: uint32; another one, another solid.
         mean: [channel], of the block: what readings are blended about.
+        least, greatest: [channel], of the block: what colours stay within.
     """
 
     seed: Array
     mean: Array
+    least: Array
+    greatest: Array
 
 
 class Solid(eqx.Module):
@@ -45,8 +48,8 @@ class Solid(eqx.Module):
     Heitz and F. Neyret, "High-Performance By-Example Noise using a Histogram-Preserving Blending Operator", 2018,
     section 3; here in three dimensions, with the weights of K. Perlin's simplex noise, which are smooth where theirs
     have creases). It is an approximation: the paper makes the histogram Gaussian before it blends, and undoes it after;
-    here colours are blended as they are. Where readings mix, histograms draw near to a Gaussian's, colours may leave
-    the block's range, and structures larger than the cells (half the block's shortest side) overlap.
+    here colours are blended as they are, and clipped to the block's range. Where readings mix, histograms draw near to
+    a Gaussian's, and structures larger than the cells (half the block's shortest side) overlap.
 
     Attributes:
         voxels: [z, y, x, channel], linear light, of any floating type.
@@ -69,7 +72,8 @@ class Solid(eqx.Module):
         seed, mean = self.offsets.seed, self.offsets.mean
         corners, weights = _lattice_corners(point / (_CELL * min(self.size)))
         readings = jax.vmap(lambda corner: self._read(point, _draw_offset(corner, seed, self.size)))(corners)
-        return mean + weights @ (readings - mean[None]) / jnp.sqrt(jnp.sum(weights**2))
+        blended = mean + weights @ (readings - mean[None]) / jnp.sqrt(jnp.sum(weights**2))
+        return jnp.clip(blended, self.offsets.least, self.offsets.greatest)
 
     def _read(self, point: Array, offset: Array) -> Array:
         """Trilinear between the eight voxels about a point that is moved by whole voxels."""
@@ -113,7 +117,8 @@ def make_solid(voxels: npt.ArrayLike, *, offsets_seed: int | None = None) -> Sol
     if not 0 <= offsets_seed < 2**32:
         raise ValueError(f"offsets_seed: {offsets_seed} is out of range; give a whole number from 0 to {2**32 - 1}")
     mean = jnp.mean(block, axis=(0, 1, 2), dtype=jnp.promote_types(block.dtype, jnp.float32))
-    return Solid(block, RandomOffsets(jnp.asarray(offsets_seed, jnp.uint32), mean))
+    ends = jnp.min(block, axis=(0, 1, 2)), jnp.max(block, axis=(0, 1, 2))
+    return Solid(block, RandomOffsets(jnp.asarray(offsets_seed, jnp.uint32), mean, *ends))
 
 
 def _draw_offset(corner: Array, seed: Array, size: tuple[int, int, int]) -> Array:
