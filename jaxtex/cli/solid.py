@@ -88,7 +88,7 @@ class Solid:
     def _check(self) -> None:
         from jaxtex.cli.values import check_memory
         from jaxtex.io.files import place_for_file
-        from jaxtex.io.voxels import check_block
+        from jaxtex.io.voxels import check_block, find_taken
 
         given = [path for path in (self.xy, self.xz, self.yz) if path is not None]
         if not given:
@@ -104,7 +104,9 @@ class Solid:
         check_memory(f"--side: {self.side}", program + voxel * channels * self.side**3)
         check_block(self.output, (self.side, self.side, self.side, 3))
         if self.preview is not None:
-            place_for_file(self.preview)
+            given.append(place_for_file(self.preview))
+        if taken := find_taken(self.output, self.side, given):
+            raise InputError(f"--output: {taken} would be one of the files of {self.output}; give another name")
 
     def _read_views(self) -> "dict[str, np.ndarray]":
         """sRGB-encoded. A view alone is that of all axes; grey ones beside coloured ones are coloured grey."""

@@ -11,7 +11,17 @@ import numpy.typing as npt
 from jaxtex.core.errors import InputError
 from jaxtex.io.arrays import read_arrays
 from jaxtex.io.files import place_for_file, replacing
-from jaxtex.io.volumes import Parts, Shape, check_stack, name_header, name_slices, write_raw, write_stack, write_vol
+from jaxtex.io.volumes import (
+    Parts,
+    Shape,
+    check_stack,
+    is_slice,
+    name_header,
+    name_slices,
+    write_raw,
+    write_stack,
+    write_vol,
+)
 
 
 def write_voxels(
@@ -70,6 +80,22 @@ def block_files(path: Path, depth: int) -> list[Path]:
     if kind == ".exr":
         return name_slices(path, depth)
     return [path, name_header(path)] if kind == ".raw" else [path]
+
+
+def find_taken(path: Path, depth: int, others: Iterable[Path]) -> Path | None:
+    """The first of other files that `write_voxels` would write over, or that would be taken for a slice of its stack.
+
+    Examples:
+        >>> others = [Path("view.png"), Path("oak.0040.exr")]
+        >>> find_taken(Path("oak.npz"), 16, others), find_taken(Path("oak.exr"), 16, others).name
+        (None, 'oak.0040.exr')
+    """
+    files = {each.resolve() for each in block_files(path, depth)}
+    folder = path.parent.resolve() if path.suffix.lower() == ".exr" else None
+    for each in others:
+        if each.resolve() in files or (each.parent.resolve() == folder and is_slice(each, path)):
+            return each
+    return None
 
 
 def _write_npz(path: Path, parts: Parts, shape: Shape) -> None:
