@@ -33,8 +33,8 @@ class Solid:
 
     Writes OUT.npz with the array 'voxels' [z, y, x, channel], linear colours as float32. 'jaxtex carve' cuts meshes of
     it, 'jaxtex solid-slice' shows it. For other programs: OUT.exr writes slices across z as OUT.0000.exr and so on;
-    OUT.raw bare float32 with a header beside it, OUT.nhdr, which ParaView and 3D Slicer open; OUT.vol a grid volume of
-    Mitsuba.
+    OUT.raw writes two files, bare float32 as OUT.raw and its header as OUT.nhdr, which ParaView and 3D Slicer open;
+    OUT.vol a grid volume of Mitsuba. Files of these names are replaced.
 
     Example: jaxtex solid --xy granite.jpg -n 128 -o granite.npz
 

@@ -87,9 +87,24 @@ def write_raw(path: Path, parts: Parts, shape: Shape) -> None:
         told.write_text(_nrrd_header(path.name, shape), encoding="utf-8", newline="\n")
 
 
+def check_grid(path: Path, shape: Shape) -> None:
+    """Refuse blocks that are no grid volumes.
+
+    Raises:
+        InputError: the block has other than 1, 3 or 6 channels, which are all that Mitsuba reads.
+    """
+    if shape[3] not in (1, 3, 6):
+        raise InputError(f"{path}: the block has {shape[3]} channels, and Mitsuba reads 1, 3 or 6; write .npz")
+
+
 def write_vol(path: Path, parts: Parts, shape: Shape) -> None:
     """A grid volume of the renderer Mitsuba, version 3, float32. Its bounding box has the block's proportions, the
-    longest side 1."""
+    longest side 1.
+
+    Raises:
+        InputError: as `check_grid`.
+    """
+    check_grid(path, shape)
     depth, height, width, channels = shape
     box = np.array([width, height, depth]) / max(width, height, depth)
     with replacing(path) as temporary, temporary.open("wb") as file:

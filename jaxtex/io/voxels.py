@@ -14,6 +14,7 @@ from jaxtex.io.files import place_for_file, replacing
 from jaxtex.io.volumes import (
     Parts,
     Shape,
+    check_grid,
     check_stack,
     is_slice,
     name_header,
@@ -32,8 +33,8 @@ def write_voxels(
     - `.npz`: float32, key `voxels`; `read_voxels` and `numpy.load` read it;
     - `.exr`: slices across z as numbered files, oak.exr as oak.0000.exr and so on, of halves;
     - `.raw`: bare float32, little-endian, channels fastest, then x, y, z; a NRRD header of the same name, `.nhdr`, says
-      so to ParaView, 3D Slicer and others;
-    - `.vol`: a grid volume of the renderer Mitsuba, version 3, float32.
+      so to ParaView, 3D Slicer and others, and takes the place of one that stands there;
+    - `.vol`: a grid volume of the renderer Mitsuba, version 3, float32, of 1, 3 or 6 channels.
 
     Args:
         path: the file.
@@ -57,8 +58,9 @@ def check_block(path: Path | str, shape: tuple[int, int, int, int]) -> Path:
     """`path` as a `Path`, once it is known that a block of that shape can be written there; for work that takes long.
 
     Raises:
-        InputError: the extension is none of `write_voxels`; there is no such folder; of a stack of slices: there are
-            other than 1 or 3 channels, or slices of a deeper stack of that name lie there.
+        InputError: the extension is none of `write_voxels`; there is no such folder; of a grid volume: there
+            are other than 1, 3 or 6 channels; of a stack of slices: there are other than 1 or 3, or slices of a deeper
+            stack of that name lie there.
 
     Examples:
         >>> check_block("oak.vol", (4, 4, 4, 3)).name
@@ -69,8 +71,8 @@ def check_block(path: Path | str, shape: tuple[int, int, int, int]) -> Path:
         raise InputError(f"{path}: cannot be written as '{path.suffix}'; name it {', '.join(_WRITERS)}")
     for each in block_files(path, shape[0]):
         place_for_file(each)
-    if path.suffix.lower() == ".exr":
-        check_stack(path, shape)
+    if check := {".exr": check_stack, ".vol": check_grid}.get(path.suffix.lower()):
+        check(path, shape)
     return path
 
 
