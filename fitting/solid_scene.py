@@ -24,6 +24,7 @@ import jaxtex as jt
 from jaxtex.cli.progress import progress
 from jaxtex.core.colour import srgb_to_linear
 from jaxtex.io.meshes import read_mesh, smooth_normals
+from jaxtex.material.carving import place_mesh
 
 SIDE = 192
 SIZE = 1200, 560
@@ -84,7 +85,7 @@ def place_things(folder: Path, things: Sequence[Thing]) -> Scene:
         mesh = read_mesh(folder / thing.file)
         low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
         middle = (low + high) / 2
-        points = (mesh.vertices - middle) * [1, -1, -1] * (thing.repeated * SIDE / (high - low).max()) + SIDE / 2
+        points = place_mesh(mesh, longest=thing.repeated * SIDE) + SIDE / 2
         angle = np.radians(thing.turn)
         turned = np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
         stood = (mesh.vertices - [middle[0], low[1], middle[2]]) * (thing.height / (high - low)[1]) @ turned.T

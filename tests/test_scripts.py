@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import jaxtex as jt
-from jaxtex.io.meshes import Mesh, write_mesh
+from jaxtex.io.meshes import Mesh, read_mesh, write_mesh
+from jaxtex.material.solid import place_in_solid
 from jaxtex.models.canonical import canonical
 
 SCRIPTS = Path(__file__).parents[1] / "fitting"
@@ -159,7 +160,9 @@ def test_carved_things_stand_on_the_ground_in_their_own_solid(script: ModuleType
     assert scene.thing.tolist() == [0] * 4 + [1] * 4
     np.testing.assert_allclose(scene.vertices[:4].min(axis=0)[1], 0, atol=1e-12)
     np.testing.assert_allclose(np.ptp(scene.vertices[:4], axis=0), [0.5, 2, 1], atol=1e-6)
-    np.testing.assert_allclose(np.ptp(scene.points, axis=0).max(), 2 * script.SIDE)
+    solid = jt.make_solid(np.zeros((script.SIDE,) * 3 + (1,)))
+    placed = [place_in_solid(solid, read_mesh(tmp_path / "box.ply"), scale=scale) for scale in (1, 2)]
+    np.testing.assert_allclose(scene.points, np.concatenate(placed))
     solids = [jt.make_solid(np.full((2, 2, 2, 3), colour)) for colour in ([0.5, 0, 0], [0, 0, 0.5])]
     picture = script.draw_scene(scene, solids, (80, 40))
     red, blue = picture[..., 0] - picture[..., 2] > 0.1, picture[..., 2] - picture[..., 0] > 0.1

@@ -43,8 +43,8 @@ class Solid:
 
     Writes OUT.npz with the array 'voxels' [z, y, x, channel], linear colours as float32. 'jaxtex carve' cuts meshes of
     it, 'jaxtex solid-slice' shows it. For other programs: OUT.exr writes slices across z as OUT.0000.exr and so on;
-    OUT.raw bare float32 with a header beside it, OUT.nhdr, which ParaView and 3D Slicer open; OUT.vol a grid volume of
-    Mitsuba.
+    OUT.raw writes two files, bare float32 as OUT.raw and its header as OUT.nhdr, which ParaView and 3D Slicer open;
+    OUT.vol a grid volume of Mitsuba. Files of these names are replaced.
 
     Example: jaxtex solid --xy granite.jpg -n 128 -o granite.npz
 
@@ -99,7 +99,7 @@ class Solid:
 
     def _check(self) -> None:
         from jaxtex.io.files import place_for_file
-        from jaxtex.io.voxels import check_block
+        from jaxtex.io.voxels import check_block, find_taken
 
         given = [path for path in (self.xy, self.xz, self.yz) if path is not None]
         if not given:
@@ -114,7 +114,9 @@ class Solid:
             raise InputError(f"--preview: {self.preview} would be written over; give another name")
         check_block(self.output, (self.side, self.side, self.side, 3))
         if self.preview is not None:
-            place_for_file(self.preview)
+            given.append(place_for_file(self.preview))
+        if taken := find_taken(self.output, self.side, given):
+            raise InputError(f"--output: {taken} would be one of the files of {self.output}; give another name")
 
     def _read_views(self) -> "dict[str, np.ndarray]":
         """sRGB-encoded. A view alone is that of all axes; grey ones beside coloured ones are coloured grey."""

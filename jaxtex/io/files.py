@@ -1,7 +1,9 @@
 """Files appear whole or not at all, and folders are checked before work starts."""
 
+import errno
 import os
 import secrets
+import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -41,37 +43,80 @@ def replacing_together(paths: Sequence[Path | str]) -> Iterator[list[Path]]:
     """Temporary names for files of one folder that belong together; they take their places when the block ends without
     error, all or none.
 
-    What stood there stays until then, and is put back if a file cannot take its place. The names are the same, in a
-    folder of their own beside.
+    What stood there stays until then, and is put back if a file cannot take its place; at no moment is a name without a
+    file that had one. The names are the same, in a folder of their own beside.
 
     Args:
         paths: the files to make or replace, at least one; their folder must exist.
 
     Raises:
         InputError: as `replacing`.
+        FileNotFoundError: the block ended without writing one of them; none is replaced.
+        OSError: a file cannot take its place. If one cannot be put back then either, what stood there is kept in the
+            folder that the error names.
 
     Examples:
         >>> with replacing_together(["oak.raw", "oak.nhdr"]) as (numbers, header):
         ...     _ = numbers.write_bytes(bytes(4)), header.write_text("NRRD0004")
     """
     places = [place_for_file(path) for path in paths]
-    with tempfile.TemporaryDirectory(prefix=f".{places[0].stem[:100]}.", dir=places[0].parent) as folder:
-        new, old = Path(folder) / "new", Path(folder) / "old"
+    folder = Path(tempfile.mkdtemp(prefix=f".{places[0].stem[:100]}.", dir=places[0].parent))
+    new, old = folder / "new", folder / "old"
+    is_needed = False  # the folder, as it holds files that are nowhere else
+    try:
         new.mkdir()
         old.mkdir()
         yield [new / place.name for place in places]
+        for place in places:
+            if not (new / place.name).exists():
+                raise FileNotFoundError(f"{place}: was not written")
+        for place in places:
+            _copy_if_any(place, old / place.name)
+        is_needed = True
         try:
             for place in places:
-                if place.exists():
-                    os.replace(place, old / place.name)
                 os.replace(new / place.name, place)
-        except BaseException:
-            for place in places:
-                if (old / place.name).exists():
-                    os.replace(old / place.name, place)
-                elif not (new / place.name).exists():
-                    place.unlink(missing_ok=True)
+        except BaseException as problem:
+            # Those whose new file is gone, and no others, were replaced; an interrupt may come right after that.
+            replaced = [place for place in places if not (new / place.name).exists()]
+            _put_back(replaced, old, problem)
+            is_needed = False
             raise
+        is_needed = False
+    finally:
+        if not is_needed:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _copy_if_any(place: Path, copy: Path) -> None:
+    """A second name for the file at `place` itself, or where there are no hard links, a copy."""
+    if not os.path.lexists(place):
+        return
+    try:
+        os.link(place, copy, follow_symlinks=False)
+    except OSError:
+        shutil.copy2(place, copy, follow_symlinks=False)
+
+
+def _put_back(places: Sequence[Path], old: Path, problem: BaseException) -> None:
+    """Undo what replaced these files.
+
+    Raises:
+        OSError: some cannot be put back; the others are.
+    """
+    lost = []
+    for place in places:
+        try:
+            if os.path.lexists(old / place.name):
+                os.replace(old / place.name, place)
+            else:
+                place.unlink(missing_ok=True)
+        except OSError:
+            lost.append(place)
+    if lost:
+        names = ", ".join(place.name for place in lost)
+        told = f"files cannot be replaced, and {names} cannot be put back; what stood there is kept in {old}"
+        raise OSError(getattr(problem, "errno", None) or errno.EIO, told, str(places[0].parent)) from problem
 
 
 def place_for_file(path: Path | str) -> Path:

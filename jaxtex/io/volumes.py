@@ -29,6 +29,18 @@ def name_slices(path: Path, depth: int) -> list[Path]:
     return [path.with_name(f"{path.stem}.{z:04}{path.suffix}") for z in range(depth)]
 
 
+def is_slice(file: Path, path: Path) -> bool:
+    """Whether a file's name is that of a slice of the stack `path`, however deep.
+
+    Examples:
+        >>> [is_slice(Path(name), Path("oak.exr")) for name in ("oak.0040.exr", "oak.final.exr", "elm.0000.exr")]
+        [True, False, False]
+    """
+    head, tail = f"{path.stem}.", path.suffix
+    name = file.name
+    return name.startswith(head) and name.endswith(tail) and name[len(head) : -len(tail)].isdecimal()
+
+
 def check_stack(path: Path, shape: Shape) -> None:
     """Refuse stacks of slices that cannot be written.
 
@@ -38,10 +50,9 @@ def check_stack(path: Path, shape: Shape) -> None:
     """
     if shape[3] not in (1, 3):
         raise InputError(f"{path}: the block has {shape[3]} channels, and slices hold 1 (grey) or 3; write .npz")
-    head, tail = f"{path.stem}.", path.suffix
-    beside = {each.name for each in path.parent.iterdir() if each.name.startswith(head) and each.name.endswith(tail)}
+    beside = {each.name for each in path.parent.iterdir() if is_slice(each, path)}
     others = beside - {each.name for each in name_slices(path, shape[0])}
-    if left := sorted(each for each in others if each[len(head) : -len(tail)].isdecimal()):
+    if left := sorted(others):
         told = left[0] if len(left) == 1 else f"{left[0]} to {left[-1]}"
         raise InputError(f"{path}: {told} of another stack would be taken for this one's; remove or rename them")
 
@@ -76,9 +87,24 @@ def write_raw(path: Path, parts: Parts, shape: Shape) -> None:
         told.write_text(_nrrd_header(path.name, shape), encoding="utf-8", newline="\n")
 
 
+def check_grid(path: Path, shape: Shape) -> None:
+    """Refuse blocks that are no grid volumes.
+
+    Raises:
+        InputError: the block has other than 1, 3 or 6 channels, which are all that Mitsuba reads.
+    """
+    if shape[3] not in (1, 3, 6):
+        raise InputError(f"{path}: the block has {shape[3]} channels, and Mitsuba reads 1, 3 or 6; write .npz")
+
+
 def write_vol(path: Path, parts: Parts, shape: Shape) -> None:
     """A grid volume of the renderer Mitsuba, version 3, float32. Its bounding box has the block's proportions, the
-    longest side 1."""
+    longest side 1.
+
+    Raises:
+        InputError: as `check_grid`.
+    """
+    check_grid(path, shape)
     depth, height, width, channels = shape
     box = np.array([width, height, depth]) / max(width, height, depth)
     with replacing(path) as temporary, temporary.open("wb") as file:

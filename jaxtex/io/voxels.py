@@ -11,7 +11,18 @@ import numpy.typing as npt
 from jaxtex.core.errors import InputError
 from jaxtex.io.arrays import read_arrays
 from jaxtex.io.files import place_for_file, replacing
-from jaxtex.io.volumes import Parts, Shape, check_stack, name_header, name_slices, write_raw, write_stack, write_vol
+from jaxtex.io.volumes import (
+    Parts,
+    Shape,
+    check_grid,
+    check_stack,
+    is_slice,
+    name_header,
+    name_slices,
+    write_raw,
+    write_stack,
+    write_vol,
+)
 
 
 def write_voxels(
@@ -22,8 +33,8 @@ def write_voxels(
     - `.npz`: float32, key `voxels`; `read_voxels` and `numpy.load` read it;
     - `.exr`: slices across z as numbered files, oak.exr as oak.0000.exr and so on, of halves;
     - `.raw`: bare float32, little-endian, channels fastest, then x, y, z; a NRRD header of the same name, `.nhdr`, says
-      so to ParaView, 3D Slicer and others;
-    - `.vol`: a grid volume of the renderer Mitsuba, version 3, float32.
+      so to ParaView, 3D Slicer and others, and takes the place of one that stands there;
+    - `.vol`: a grid volume of the renderer Mitsuba, version 3, float32, of 1, 3 or 6 channels.
 
     Args:
         path: the file.
@@ -47,8 +58,9 @@ def check_block(path: Path | str, shape: tuple[int, int, int, int]) -> Path:
     """`path` as a `Path`, once it is known that a block of that shape can be written there; for work that takes long.
 
     Raises:
-        InputError: the extension is none of `write_voxels`; there is no such folder; of a stack of slices: there are
-            other than 1 or 3 channels, or slices of a deeper stack of that name lie there.
+        InputError: the extension is none of `write_voxels`; there is no such folder; of a grid volume: there
+            are other than 1, 3 or 6 channels; of a stack of slices: there are other than 1 or 3, or slices of a deeper
+            stack of that name lie there.
 
     Examples:
         >>> check_block("oak.vol", (4, 4, 4, 3)).name
@@ -59,8 +71,8 @@ def check_block(path: Path | str, shape: tuple[int, int, int, int]) -> Path:
         raise InputError(f"{path}: cannot be written as '{path.suffix}'; name it {', '.join(_WRITERS)}")
     for each in block_files(path, shape[0]):
         place_for_file(each)
-    if path.suffix.lower() == ".exr":
-        check_stack(path, shape)
+    if check := {".exr": check_stack, ".vol": check_grid}.get(path.suffix.lower()):
+        check(path, shape)
     return path
 
 
@@ -70,6 +82,22 @@ def block_files(path: Path, depth: int) -> list[Path]:
     if kind == ".exr":
         return name_slices(path, depth)
     return [path, name_header(path)] if kind == ".raw" else [path]
+
+
+def find_taken(path: Path, depth: int, others: Iterable[Path]) -> Path | None:
+    """The first of other files that `write_voxels` would write over, or that would be taken for a slice of its stack.
+
+    Examples:
+        >>> others = [Path("view.png"), Path("oak.0040.exr")]
+        >>> find_taken(Path("oak.npz"), 16, others), find_taken(Path("oak.exr"), 16, others).name
+        (None, 'oak.0040.exr')
+    """
+    files = {each.resolve() for each in block_files(path, depth)}
+    folder = path.parent.resolve() if path.suffix.lower() == ".exr" else None
+    for each in others:
+        if each.resolve() in files or (each.parent.resolve() == folder and is_slice(each, path)):
+            return each
+    return None
 
 
 def _write_npz(path: Path, parts: Parts, shape: Shape) -> None:

@@ -69,7 +69,8 @@ def find_faces(corners: Floats, side: int) -> Iterator[Found]:
     ends = np.cumsum(extent.prod(axis=1))
     total = int(ends[-1]) if len(ends) else 0
     for first in range(0, total, _AT_ONCE):
-        pair = np.arange(first, min(first + _AT_ONCE, total))
+        end = min(first + _AT_ONCE, total)
+        pair = np.arange(first, end)
         which = np.searchsorted(ends, pair, side="right")
         row, column = np.divmod(pair - (ends[which] - extent[which].prod(axis=1)), extent[which, 0])
         column, row = column + low[which, 0], row + low[which, 1]
@@ -82,8 +83,9 @@ def find_faces(corners: Floats, side: int) -> Iterator[Found]:
         np.minimum.at(best, texel, beyond)
         wins = beyond == best[texel]
         owner[texel[wins]] = face[wins]
-        yield Found(owner.reshape(side, side), first / total)
-    yield Found(owner.reshape(side, side), 1.0)
+        yield Found(owner.reshape(side, side), end / total)
+    if not total:
+        yield Found(owner.reshape(side, side), 1.0)
 
 
 def locate(points: Floats, corners: Floats) -> Places:

@@ -43,7 +43,8 @@ def unwrap_mesh(mesh: Mesh, *, side: int) -> Unwrapped:
         side: of the square picture in texels.
 
     Raises:
-        InputError: xatlas is not installed; no triangle has an area; more charts than can lie in the picture.
+        InputError: xatlas is not installed; no triangle has an area, or none in single precision; more charts than can
+            lie in the picture, or several that are long and thin.
 
     Examples:
         >>> square = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 3]]))
@@ -67,11 +68,15 @@ def unwrap_mesh(mesh: Mesh, *, side: int) -> Unwrapped:
     atlas.generate(charts, packing)
     source, faces, uv = atlas[0]
     extent = np.array([atlas.width, atlas.height], np.float64)
+    # Strips much thinner than long have an area, but none in xatlas's single precision.
+    if not extent.min() > 0 or not areas_of(uv[faces]).sum() > 0:
+        raise InputError("the mesh is too thin to be unwrapped, as its charts have no area; give a wider one")
     # Pictures repeat: what lies at opposite borders is as far apart as charts are.
     scale = (side - _PADDING) / extent.max()
-    if scale * _PADDING < _LEAST_PADDING:
+    # One chart alone has none to be held apart from; of a strip it has any scale, as xatlas goes by areas.
+    if atlas.chart_count > 1 and scale * _PADDING < _LEAST_PADDING:
         told = f"a picture of {side} x {side} cannot hold the mesh's charts apart, {atlas.chart_count} in number"
-        raise InputError(f"{told}; give a larger one")
+        raise InputError(f"{told}; give a larger one, or a mesh without long thin strips")
     texels = _PADDING / 2 + uv.astype(np.float64) * extent * scale
     return Unwrapped(side, source.astype(np.int64), faces.astype(np.int64), texels)
 

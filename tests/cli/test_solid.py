@@ -141,6 +141,41 @@ def test_what_cannot_be_done_is_told_in_one_line(
 
 
 @pytest.mark.parametrize(
+    ("view_name", "output", "preview", "taken"),
+    [
+        ("oak.0003.exr", "oak.exr", None, "oak.0003.exr"),
+        ("oak.0003.exr", "below/../oak.exr", None, "oak.0003.exr"),
+        ("view.png", "elm.exr", "elm.0040.exr", "elm.0040.exr"),
+        ("view.png", "ash.exr", "below/../ash.0004.exr", "below/../ash.0004.exr"),
+        ("view.png", "ash.exr", "below/ash.0004.exr", None),
+        ("view.png", "ash.npz", "ash.0004.exr", None),
+        ("oak.exr", "oak.exr", None, None),  # of slices, none has that name
+    ],
+)
+def test_pictures_are_no_files_of_the_block(
+    view: Path,
+    view_name: str,
+    output: str,
+    preview: str | None,
+    taken: str | None,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(view.parent)
+    Path("below").mkdir()
+    if view_name != view.name:
+        write_image(Path(view_name), read_image(view).pixels)
+    before = Path(view_name).read_bytes()
+    words = ["--xy", view_name, "-o", output, *(["--preview", preview] if preview else [])]
+    assert solid(*words, "-n", 16, "--iterations", 1, "--method", "relaxation") == (2 if taken else 0)
+    assert Path(view_name).read_bytes() == before
+    if taken:
+        error = f"--output: {taken} would be one of the files of {output}; give another name\n"
+        assert capsys.readouterr().err.endswith(error)
+        assert not [path for path in Path().iterdir() if path.name not in (view.name, view_name, "below")]
+
+
+@pytest.mark.parametrize(
     ("words", "needed"),
     [([], "10.4"), (["--colours", "single-hue"], "7.4"), (["--method", "relaxation"], "6.9")],
 )

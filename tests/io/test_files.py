@@ -1,6 +1,7 @@
 """Files appear whole or not at all."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -57,6 +58,89 @@ def test_files_that_belong_together_are_replaced_together(tmp_path: Path, missin
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a": "old", "b": "old"}
     write("abc")
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == dict.fromkeys("abc", "new")
+
+
+def fail_replacing(monkeypatch: pytest.MonkeyPatch, fails: Callable[[Path, Path], bool]) -> None:
+    replace = os.replace
+
+    def replace_some(source: Path, place: Path) -> None:
+        if fails(source, place):
+            raise PermissionError(f"{place}: held by another program")
+        replace(source, place)
+
+    monkeypatch.setattr(os, "replace", replace_some)
+
+
+def write_together(places: list[Path]) -> None:
+    with replacing_together(places) as temporary:
+        for path in temporary:
+            path.write_text("new")
+
+
+def read_all(folder: Path) -> dict[str, str]:
+    return {path.name: path.read_text() for path in folder.iterdir()}
+
+
+def test_files_stay_where_none_of_the_new_ones_was_written(tmp_path: Path) -> None:
+    places = [tmp_path / name for name in "abc"]
+    for place in places[:2]:
+        place.write_text("old")
+    with pytest.raises(FileNotFoundError, match="a: was not written"), replacing_together(places):
+        pass
+    assert read_all(tmp_path) == {"a": "old", "b": "old"}
+
+
+@pytest.mark.parametrize("links", [True, False])
+@pytest.mark.parametrize("held", ["a", "b", "c", "d"])
+def test_files_are_put_back_where_one_cannot_be_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, held: str, links: bool
+) -> None:
+    (tmp_path / "target").write_text("elsewhere")
+    places = [tmp_path / name for name in "abcd"]
+    places[0].write_text("old")
+    places[1].symlink_to("target")
+    places[3].write_text("old")
+
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError("no hard links")
+
+    if not links:
+        monkeypatch.setattr(os, "link", refuse)
+    fail_replacing(monkeypatch, lambda _, place: place.name == held)
+    with pytest.raises(PermissionError, match="held by another program"):
+        write_together(places)
+    assert read_all(tmp_path) == {"a": "old", "b": "elsewhere", "d": "old", "target": "elsewhere"}
+    assert places[1].is_symlink()
+
+
+def test_what_cannot_be_put_back_is_kept_and_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    places = [tmp_path / name for name in "abc"]
+    for place in places:
+        place.write_text(f"old {place.name}")
+    fail_replacing(monkeypatch, lambda source, place: place.name == "c" or source == source.parent.parent / "old" / "a")
+    with pytest.raises(OSError, match="a cannot be put back; what stood there is kept in") as refusal:
+        write_together(places)
+    (kept,) = (path for path in tmp_path.iterdir() if path.is_dir())
+    assert str(kept / "old") in str(refusal.value.strerror)
+    assert refusal.value.filename == str(tmp_path)
+    assert (kept / "old" / "a").read_text() == "old a"
+    assert [place.read_text() for place in places] == ["new", "old b", "old c"]
+
+
+def test_no_name_is_without_a_file_while_files_are_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    places = [tmp_path / name for name in "ab"]
+    for place in places:
+        place.write_text("old")
+    seen = []
+
+    def look(*_: Path) -> bool:
+        seen.append([place.read_text() for place in places])
+        return False
+
+    fail_replacing(monkeypatch, look)
+    write_together(places)
+    assert seen == [["old", "old"], ["new", "old"]]
+    assert read_all(tmp_path) == {"a": "new", "b": "new"}
 
 
 def test_files_are_as_readable_as_others(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from jaxtex.core.colour import srgb_to_linear
 from jaxtex.core.errors import InputError
 from jaxtex.io.images import read_image
 from jaxtex.io.meshes import read_mesh, write_mesh
-from jaxtex.io.voxels import read_voxels, write_voxels
+from jaxtex.io.voxels import check_block, read_voxels, write_voxels
 
 
 @pytest.mark.parametrize("kind", ["ply", "obj", "stl", "off", "glb"])
@@ -120,6 +120,19 @@ def test_a_grid_volume_is_as_mitsuba_documents_it(tmp_path):
     numbers = np.frombuffer(data[48:], "<f4")
     for x, y, z, c in np.ndindex(5, 4, 3, 3):
         assert numbers[((z * ny + y) * nx + x) * channels + c] == BLOCK[z, y, x, c]
+
+
+@pytest.mark.parametrize("channels", range(1, 8))
+def test_grid_volumes_have_channels_that_mitsuba_reads(tmp_path, channels):
+    block = np.ones((2, 2, 2, channels), np.float32)
+    if channels in (1, 3, 6):
+        write_voxels(tmp_path / "oak.vol", in_parts(block), shape=block.shape)
+        assert (tmp_path / "oak.vol").stat().st_size == 48 + block.nbytes
+        return
+    for write in (check_block, lambda path, shape: write_voxels(path, in_parts(block), shape=shape)):
+        with pytest.raises(InputError, match=f"oak.vol: the block has {channels} channels, and Mitsuba reads 1, 3 or"):
+            write(tmp_path / "oak.vol", block.shape)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("kind", ["npz", "exr", "raw", "vol"])

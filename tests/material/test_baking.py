@@ -140,13 +140,34 @@ def test_the_same_mesh_gives_the_same_picture_and_progress_grows() -> None:
     assert (told[0], told[-1]) == (0, 1)
 
 
+def strip(width: float) -> Mesh:
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [1, width, 0], [0, width, 0]])
+    return Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("width", [0.1, 1e-3, 1e-6, 1e-9])
+def test_a_strip_alone_fills_the_picture_along_its_length(width: float) -> None:
+    mesh = strip(width)
+    baked = bake_solid(SOLID, mesh, side=64)
+    assert np.ptp(baked.mesh.uv, axis=0).max() > 0.9
+    # What lies within the strip, from corner to corner.
+    share = np.linspace(0, 1, 50)[:, None]
+    placed = place_in_solid(SOLID, mesh, scale=1.0)[baked.mesh.faces[0]]
+    uv = baked.mesh.uv[baked.mesh.faces[0]]
+    ends = [(1 - share) * each[0] + share * each[2] for each in (uv, placed)]
+    np.testing.assert_allclose(look_up(baked.picture, ends[0]), evaluate_solid(SOLID, ends[1]), atol=0.05)
+
+
 LINE = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]]), np.array([[0, 1, 2]]))
 
 
+@pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
     ("mesh", "options", "told"),
     [
         (LINE, {}, "all triangles of the mesh are without an area"),
+        *((strip(width), {}, "the mesh is too thin to be unwrapped") for width in (1e-12, 1e-20)),
         (BALL, {"side": 32}, "a picture of 32 x 32 cannot hold the mesh's charts apart, .* give a larger one"),
         (BALL, {"side": 15}, "side: 15 is out of range"),
         (BALL, {"side": 8193}, "side: 8193 is out of range"),

@@ -55,6 +55,13 @@ def test_places_are_where_they_are_said_to_be(seed: int) -> None:
         assert beyond == pytest.approx(distances_to(point, triangle), abs=0.1)
 
 
+def test_progress_is_that_of_what_was_gone_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("jaxtex.material.texels._AT_ONCE", 100)
+    corner = np.array([[4.0, 4], [8, 4], [4, 8]])
+    # Boxes of 8 x 8 texels, with the reach around them.
+    assert [found.done for found in find_faces(np.stack([corner] * 4), SIDE)] == [100 / 256, 200 / 256, 1.0]
+
+
 def test_nothing_is_found_of_triangles_without_an_area() -> None:
     *_, found = find_faces(np.zeros((3, 3, 2)), SIDE)
     assert (found.faces == -1).all()
