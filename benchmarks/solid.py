@@ -21,22 +21,25 @@ from timing import Result, Row, show, write_report
 
 from jaxtex.material.solid import evaluate_solid
 from jaxtex.models.solid import make_solid
+from jaxtex.synthesis.solid_optimisation import optimise_solid
 from jaxtex.synthesis.solid_relaxation import process_axis, relax_solid
 from jaxtex.synthesis.solid_views import AXES, align_views, analyse_views
 
 KEY = jax.random.key(0)
+METHODS = {"relaxation": relax_solid, "optimisation": optimise_solid}
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--worker", type=int, metavar="SIDE", help=argparse.SUPPRESS)
+    parser.add_argument("--method", choices=METHODS, default="relaxation", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.worker:
         view = granite(5 * options.worker // 4)
-        relax_solid(dict.fromkeys(AXES, view), options.worker, key=KEY, crops=2, iterations=2)
+        METHODS[options.method](dict.fromkeys(AXES, view), options.worker, key=KEY, iterations=2)
         print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
         return
-    results = [time_iteration(), weigh_blocks(), time_points()]
+    results = [time_iteration(), time_methods(), weigh_blocks(), time_points()]
     show(results)
     write_report("solid", "Speed of solid textures", results)
 
@@ -87,13 +90,28 @@ def time_iteration() -> Result:
     return "One iteration, three axes, warm", head, rows
 
 
+def time_methods() -> Result:
+    rows: list[Row] = []
+    for side in (64, 128):
+        views = dict.fromkeys(AXES, granite(2 * side))
+        relaxed, optimised = clock(
+            lambda views=views, side=side: relax_solid(views, side, key=KEY),
+            lambda views=views, side=side: optimise_solid(views, side, key=KEY),
+            turns=2,
+        )
+        rows.append((f"{side}³", f"{relaxed:.1f}", f"{optimised:.1f}", f"{optimised / relaxed:.1f}"))
+    head = ("block, RGB", "relaxation, s", "optimisation, s", "ratio")
+    return "Whole blocks, analysis included, warm", head, rows
+
+
 def weigh_blocks() -> Result:
     rows: list[Row] = []
-    for side in (128, 256):
-        command = [sys.executable, str(Path(__file__).resolve()), "--worker", str(side)]
-        said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-        rows.append((f"{side}³", f"{int(said.split()[-1]) / 2**20:.2f}"))
-    return "Peak memory of a process, two iterations", ("block, RGB", "GiB"), rows
+    for method in METHODS:
+        for side in (128, 256):
+            command = [sys.executable, str(Path(__file__).resolve()), "--worker", str(side), "--method", method]
+            said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+            rows.append((f"{side}³", method, f"{int(said.split()[-1]) / 2**20:.2f}"))
+    return "Peak memory of a process, two iterations", ("block, RGB", "method", "GiB"), rows
 
 
 def time_points() -> Result:
