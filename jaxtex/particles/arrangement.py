@@ -1,0 +1,287 @@
+"""How particles are arranged: where each one has its nearest neighbours of the same class.
+
+J.-M. Dischler, K. Maritaud, B. Lévy and D. Ghazanfarpour, "Texture particles" (Eurographics 2002), section 2.2.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from math import cos, hypot, sin
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import distance_transform_cdt, find_objects
+from scipy.spatial import cKDTree
+
+from jaxtex.particles.boxes import Form, form_of, reach_along
+from jaxtex.particles.things import Box, Decomposition, Labels
+
+_MOST_GROWTH = 2.0
+"""Steps by which a particle grows at most, in its sizes. Its size is its box's longer side, or the side of the square
+that each particle of its class has on average, if that is more: sparse things have neighbours too."""
+
+_FEWEST = 4  # particles of a class that have an arrangement (section 2.2: one, two or three have none)
+_COMPARED = 16  # other particles whose lists are tried at each particle
+_CLEARLY = 0.95  # of the error in the picture's frame: what another frame has at most to be taken
+
+SIGNS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
+"""To which sides of a particle its quadrants 0 to 3 lie, along its frame's x and y."""
+
+
+class Cooccurrence(NamedTuple):
+    """Where a particle has a neighbour, in the particle's frame (see `place_neighbour`).
+
+    Attributes:
+        quadrant: 0 to 3, clockwise as seen from the frame's x-axis, which is in 0; its y-axis is in 1.
+        dx, dy: from box to box along the frame's axes. Where the boxes are apart, pixels between them. Where they
+            overlap, less than 0: by how much they do, as a share of how much they could; -1 where centres are level.
+    """
+
+    quadrant: int
+    dx: float
+    dy: float
+
+
+class Listed(NamedTuple):
+    """A class whose particles have neighbours in all quadrants.
+
+    Attributes:
+        members: its complete particles, numbers from 0 in the decomposition.
+        lists: of co-occurrences, one for each complete particle that has neighbours.
+        turned: whether each particle's frame is turned as its own box is.
+        angle: by which all frames are turned otherwise, radians.
+        clearance: pixels that particles keep between them, at least and as a rule.
+    """
+
+    members: tuple[int, ...]
+    lists: tuple[tuple[Cooccurrence, ...], ...]
+    turned: bool
+    angle: float
+    clearance: float
+
+
+class Scattered(NamedTuple):
+    """A class too small to show an arrangement: only how far its particles are from each other is known.
+
+    Attributes:
+        members: its complete particles, numbers from 0 in the decomposition; perhaps none.
+        distances: between centres of particles, pixels; of a single one, the picture's width and height.
+        density: particles per pixel.
+    """
+
+    members: tuple[int, ...]
+    distances: tuple[float, ...]
+    density: float
+
+
+class Arrangement(NamedTuple):
+    """How the particles of a picture are arranged.
+
+    Attributes:
+        classes: each class's way, by its number.
+    """
+
+    classes: tuple[Listed | Scattered, ...]
+
+
+class _Seen(NamedTuple):
+    """A neighbour as the picture shows it: its number, and after how many steps growth reaches it."""
+
+    number: int
+    steps: int
+
+
+def learn_arrangement(decomposition: Decomposition) -> Arrangement:
+    """Learn where the particles of a picture have their neighbours.
+
+    Every complete particle grows by a pixel all around (dilation by a square of 3 x 3), until there is a neighbour of
+    its class in each quadrant; all that it has reached then are its neighbours. Where they lie is its list. Particles
+    that the picture's border cuts off are reached, but how large they are is not known; so a quadrant that has no whole
+    particle takes its opposite's, mirrored. If that has none either, it takes the cut ones, and else its neighbour
+    quadrant's, turned by a right angle.
+
+    Departures from section 2.2: quadrants that growth does not reach in time do not prolong it; frames are the
+    picture's, common to a class or each particle's own, as predicts best where other particles of the class are.
+
+    Args:
+        decomposition: the picture taken apart.
+
+    Examples:
+        >>> from jaxtex.particles.things import describe_particles
+        >>> row, column = np.indices((60, 80))
+        >>> labels = np.where((row % 12 < 8) & (column % 20 < 15), 1 + row // 12 * 4 + column // 20, 0)
+        >>> learnt = learn_arrangement(describe_particles(labels, [0] * 20))
+        >>> learnt.classes[0].lists[0][0]
+        Cooccurrence(quadrant=0, dx=5.0, dy=-1.0)
+    """
+    kinds = [particle.kind for particle in decomposition.particles]
+    return Arrangement(tuple(_learn_class(decomposition, kinds, kind) for kind in range(decomposition.kinds)))
+
+
+def grow_to_others(labels: Labels, number: int, around: Sequence[slice], most: int) -> dict[int, int]:
+    """After how many dilations by a square of 3 x 3 a particle reaches each of the others.
+
+    That is the least chessboard distance between their pixels; it is taken from a distance transform of what is around.
+
+    Args:
+        labels: int [row, col], particles from 1, 0 is the background.
+        number: of the particle that grows.
+        around: the rows and columns that it lies in.
+        most: dilations.
+
+    Returns:
+        Steps by the number of each particle that is reached.
+
+    Examples:
+        >>> grow_to_others(np.array([[1, 0, 0, 2, 0, 0, 0, 3]], np.int32), 1, (slice(0, 1), slice(0, 1)), 5)
+        {2: 3}
+    """
+    window = labels[tuple(slice(max(0, each.start - most), each.stop + most) for each in around)]
+    distance = distance_transform_cdt(window != number, "chessboard")
+    near = (window > 0) & (window != number) & (distance <= most)
+    others, which = np.unique(window[near], return_inverse=True)
+    steps = np.full(len(others), most, np.intp)
+    np.minimum.at(steps, which, distance[near])
+    return dict(zip(others.tolist(), steps.tolist(), strict=True))
+
+
+def cooccurrence_of(box: Box, other: Box, angle: float) -> Cooccurrence:
+    """Where another box lies as seen from a box, in a frame turned by `angle`; `place_neighbour` undoes it."""
+    cosine, sine = cos(angle), sin(angle)
+    x, y = other.x - box.x, other.y - box.y
+    x, y = x * cosine + y * sine, y * cosine - x * sine
+    reaches = zip(reach_along(form_of(box), cosine, sine), reach_along(form_of(other), cosine, sine), strict=True)
+    dx, dy = (_gap(abs(away), sum(reach)) for away, reach in zip((x, y), reaches, strict=True))
+    if x > 0:
+        return Cooccurrence(0 if y >= 0 else 3, dx, dy)
+    if x < 0:
+        return Cooccurrence(1 if y > 0 else 2, dx, dy)
+    return Cooccurrence(1 if y > 0 else 3, dx, dy)
+
+
+def place_neighbour(entry: Cooccurrence, form: Form, other: Form, cosine: float, sine: float) -> tuple[float, float]:
+    """Where a neighbour lies: the way from a particle's centre to its own, along the picture's x and y.
+
+    Along each axis of the frame, boxes that are apart stay as many pixels apart, whatever their sizes. Boxes that
+    overlap do so by the same share of how much they could, so that rows stay rows if sizes vary. (Section 2.2 does not
+    say how negative distances are meant.)
+
+    Args:
+        entry: of the particle's list.
+        form: the particle's box.
+        other: the neighbour's box.
+        cosine, sine: of the angle of the particle's frame.
+
+    Examples:
+        >>> place_neighbour(Cooccurrence(0, 5.0, -1.0), Form(8.0, 4.0, 1.0, 0.0), Form(6.0, 3.0, 1.0, 0.0), 1.0, 0.0)
+        (19.0, 0.0)
+    """
+    (across, down), (other_across, other_down) = reach_along(form, cosine, sine), reach_along(other, cosine, sine)
+    toward_x, toward_y = SIGNS[entry.quadrant]
+    x = toward_x * _away(entry.dx, across + other_across)
+    y = toward_y * _away(entry.dy, down + other_down)
+    return x * cosine - y * sine, x * sine + y * cosine
+
+
+def _gap(away: float, reach: float) -> float:
+    return away - reach if away >= reach else away / reach - 1.0
+
+
+def _away(gap: float, reach: float) -> float:
+    return reach + gap if gap >= 0 else reach * (1.0 + gap)
+
+
+def _learn_class(decomposition: Decomposition, kinds: Sequence[int], kind: int) -> Listed | Scattered:
+    boxes = [particle.box for particle in decomposition.particles]
+    numbers = [number for number, each in enumerate(kinds) if each == kind]
+    members = tuple(number for number in numbers if decomposition.particles[number].complete)
+    if len(numbers) >= _FEWEST:
+        where = find_objects(decomposition.labels)
+        seen = {number: _find_neighbours(decomposition, numbers, number, where[number]) for number in members}
+        frames = _choose_frames(decomposition, numbers, seen)
+        lists = tuple(
+            entries
+            for number in seen
+            if (entries := _list_neighbours(decomposition, number, seen[number], frames.of(boxes[number])))
+        )
+        if lists:
+            gaps = [min(each.steps for each in found) - 1 for found in seen.values() if found]
+            return Listed(members, lists, frames.turned, frames.angle, float(np.quantile(gaps, 0.5)))
+    height, width = decomposition.labels.shape
+    apart = [hypot(boxes[i].x - boxes[j].x, boxes[i].y - boxes[j].y) for i, j in combinations(numbers, 2)]
+    density = len(numbers) / (width * height)
+    return Scattered(members, tuple(apart) or (float(width), float(height)), density)
+
+
+def _find_neighbours(
+    decomposition: Decomposition, numbers: Sequence[int], number: int, around: Sequence[slice]
+) -> list[_Seen]:
+    """All others of the class that growth reaches in time, nearest first."""
+    box = decomposition.particles[number].box
+    most = int(_MOST_GROWTH * max(box.width, (decomposition.labels.size / len(numbers)) ** 0.5))
+    reached = grow_to_others(decomposition.labels, number + 1, around, most)
+    kind = decomposition.particles[number].kind
+    same = [(after, other - 1) for other, after in reached.items() if decomposition.particles[other - 1].kind == kind]
+    return [_Seen(other, after) for after, other in sorted(same)]
+
+
+class _Frames(NamedTuple):
+    turned: bool
+    angle: float
+
+    def of(self, box: Box) -> float:
+        return box.angle if self.turned else self.angle
+
+
+def _direct(decomposition: Decomposition, number: int, seen: Sequence[_Seen], angle: float) -> Iterator[tuple]:
+    """Each neighbour reached by the time that the last quadrant is, with its co-occurrence."""
+    box = decomposition.particles[number].box
+    entries = [cooccurrence_of(box, decomposition.particles[each.number].box, angle) for each in seen]
+    first = {entry.quadrant: each.steps for each, entry in reversed(list(zip(seen, entries, strict=True)))}
+    last = max(first.values(), default=0)
+    return ((each.number, entry) for each, entry in zip(seen, entries, strict=True) if each.steps <= last)
+
+
+def _list_neighbours(
+    decomposition: Decomposition, number: int, seen: Sequence[_Seen], angle: float
+) -> tuple[Cooccurrence, ...]:
+    found = list(_direct(decomposition, number, seen, angle))
+    whole = [entry for other, entry in found if decomposition.particles[other].complete]
+    cut = [entry for other, entry in found if not decomposition.particles[other].complete]
+    entries = list(whole)
+    for turn, source in ((2, whole), (0, cut), (2, cut), (1, None)):
+        there = {entry.quadrant for entry in entries}
+        for entry in list(entries) if source is None else source:
+            quadrant = (entry.quadrant + turn) % 4
+            if quadrant not in there:
+                gaps = (entry.dx, entry.dy) if turn != 1 else (entry.dy, entry.dx)
+                entries.append(Cooccurrence(quadrant, *gaps))
+    return tuple(entries)
+
+
+def _choose_frames(decomposition: Decomposition, numbers: Sequence[int], seen: dict[int, list[_Seen]]) -> _Frames:
+    """The frames in which the list of one particle tells best where others of its class have neighbours."""
+    particles = decomposition.particles
+    common = 0.5 * np.angle(sum(np.exp(2j * particles[number].box.angle) for number in seen) or 1.0)
+    choices = [_Frames(False, 0.0), _Frames(False, float(common)), _Frames(True, 0.0)]
+    tree = cKDTree([(particles[number].box.x, particles[number].box.y) for number in numbers])
+    errors = [_predict(decomposition, tree, seen, frames) for frames in choices]
+    best = int(np.argmin(errors))
+    return choices[best if errors[best] < _CLEARLY * errors[0] else 0]
+
+
+def _predict(decomposition: Decomposition, tree: cKDTree, seen: dict[int, list[_Seen]], frames: _Frames) -> float:
+    """How far from any particle places are, on average, where one's list has neighbours and another stands."""
+    height, width = decomposition.labels.shape
+    boxes, around = [particle.box for particle in decomposition.particles], list(seen)
+    forms = [form_of(box) for box in boxes]
+    places = []
+    for index, number in enumerate(around):
+        found = list(_direct(decomposition, number, seen[number], frames.of(boxes[number])))
+        for other in around[index + 1 : index + 1 + _COMPARED]:
+            angle = frames.of(boxes[other])
+            for neighbour, entry in found:
+                dx, dy = place_neighbour(entry, forms[other], forms[neighbour], cos(angle), sin(angle))
+                x, y = boxes[other].x + dx, boxes[other].y + dy
+                if 0 <= x <= width and 0 <= y <= height:
+                    places.append((x, y))
+    return float(np.mean(tree.query(places)[0])) if places else 0.0
