@@ -111,7 +111,7 @@ def learn_arrangement(decomposition: Decomposition) -> Arrangement:
         >>> labels = np.where((row % 12 < 8) & (column % 20 < 15), 1 + row // 12 * 4 + column // 20, 0)
         >>> learnt = learn_arrangement(describe_particles(labels, [0] * 20))
         >>> learnt.classes[0].lists[0][0]
-        Cooccurrence(quadrant=0, dx=5.0, dy=-1.0)
+        Cooccurrence(quadrant=1, dx=-1.0, dy=4.0)
     """
     kinds = [particle.kind for particle in decomposition.particles]
     return Arrangement(tuple(_learn_class(decomposition, kinds, kind) for kind in range(decomposition.kinds)))

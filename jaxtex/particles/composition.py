@@ -1,4 +1,4 @@
-"""Compositions: which particle of a picture lies where, as a value that is saved, edited by hand, and drawn at any size.
+"""Compositions: which particle of a picture lies where: a value that is saved, edited by hand, drawn at any size.
 
 The file's format is described, key by key, by the JSON Schema `composition-1.json` in `jaxtex/models/schema`.
 """
