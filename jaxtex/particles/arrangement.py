@@ -12,7 +12,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_cdt, find_objects
 from scipy.spatial import cKDTree
 
-from jaxtex.particles.boxes import Form, form_of, reach_along
+from jaxtex.particles.boxes import Form, form_of, gap_between, reach_along
 from jaxtex.particles.things import Box, Decomposition, Labels
 
 _MOST_GROWTH = 2.0
@@ -20,6 +20,7 @@ _MOST_GROWTH = 2.0
 that each particle of its class has on average, if that is more: sparse things have neighbours too."""
 
 _FEWEST = 4  # particles of a class that have an arrangement (section 2.2: one, two or three have none)
+_CLOSEST = 0.1  # of all neighbours that are nearest to a particle: how many are closer than what they keep as a rule
 _COMPARED = 16  # other particles whose lists are tried at each particle
 _CLEARLY = 0.95  # of the error in the picture's frame: what another frame has at most to be taken
 
@@ -49,7 +50,9 @@ class Listed(NamedTuple):
         lists: of co-occurrences, one for each complete particle that has neighbours.
         turned: whether each particle's frame is turned as its own box is.
         angle: by which all frames are turned otherwise, radians.
-        clearance: pixels that particles keep between them, at least and as a rule.
+        clearance: pixels between the boxes of neighbours, of most at least; below 0 where boxes overlap.
+        apart: pixels between their centres, likewise.
+        density: particles per pixel.
     """
 
     members: tuple[int, ...]
@@ -57,6 +60,8 @@ class Listed(NamedTuple):
     turned: bool
     angle: float
     clearance: float
+    apart: float
+    density: float
 
 
 class Scattered(NamedTuple):
@@ -194,6 +199,7 @@ def _learn_class(decomposition: Decomposition, kinds: Sequence[int], kind: int) 
     boxes = [particle.box for particle in decomposition.particles]
     numbers = [number for number, each in enumerate(kinds) if each == kind]
     members = tuple(number for number in numbers if decomposition.particles[number].complete)
+    density = _measure_density(decomposition, numbers, members)
     if len(numbers) >= _FEWEST:
         where = find_objects(decomposition.labels)
         seen = {number: _find_neighbours(decomposition, numbers, number, where[number]) for number in members}
@@ -204,12 +210,34 @@ def _learn_class(decomposition: Decomposition, kinds: Sequence[int], kind: int) 
             if (entries := _list_neighbours(decomposition, number, seen[number], frames.of(boxes[number])))
         )
         if lists:
-            gaps = [min(each.steps for each in found) - 1 for found in seen.values() if found]
-            return Listed(members, lists, frames.turned, frames.angle, float(np.quantile(gaps, 0.5)))
+            return Listed(members, lists, *frames, *_measure_closeness(decomposition, seen), density)
     height, width = decomposition.labels.shape
     apart = [hypot(boxes[i].x - boxes[j].x, boxes[i].y - boxes[j].y) for i, j in combinations(numbers, 2)]
-    density = len(numbers) / (width * height)
     return Scattered(members, tuple(apart) or (float(width), float(height)), density)
+
+
+def _measure_density(decomposition: Decomposition, numbers: Sequence[int], members: Sequence[int]) -> float:
+    """Particles per pixel; what the border cuts off counts by how much of it is there."""
+    areas = [decomposition.particles[number].area for number in numbers]
+    whole = [decomposition.particles[number].area for number in members]
+    return sum(areas) / float(np.mean(whole or areas or [1])) / decomposition.labels.size
+
+
+def _measure_closeness(decomposition: Decomposition, seen: dict[int, list[_Seen]]) -> tuple[float, float]:
+    """How close neighbours are as a rule: their boxes, and their centres."""
+    particles = decomposition.particles
+    gaps, distances = [], []
+    for number, found in seen.items():
+        whole = [each.number for each in found if particles[each.number].complete]
+        box = particles[number].box
+        ways = [(particles[other].box.x - box.x, particles[other].box.y - box.y, other) for other in whole]
+        if ways:
+            distances.append(min(hypot(dx, dy) for dx, dy, _ in ways))
+            form = form_of(box)
+            gaps.append(min(gap_between(dx, dy, form, form_of(particles[other].box)) for dx, dy, other in ways))
+    if not gaps:
+        return 0.0, 0.0
+    return float(np.quantile(gaps, _CLOSEST)), float(np.quantile(distances, _CLOSEST))
 
 
 def _find_neighbours(

@@ -20,8 +20,9 @@ class Form(NamedTuple):
     sine: float
 
     def grown(self, margin: float) -> "Form":
-        """The box with a margin around it."""
-        return self._replace(across=self.across + margin, down=self.down + margin)
+        """The box with a margin around it; one below 0 takes away half of each side at most."""
+        across, down = (max(half + margin, 0.5 * half) for half in (self.across, self.down))
+        return Form(across, down, self.cosine, self.sine)
 
 
 def form_of(box: Box) -> Form:
@@ -63,16 +64,37 @@ def overlap_share(dx: float, dy: float, first: Form, second: Form) -> float:
         >>> overlap_share(15.0, 0.0, brick, brick), overlap_share(24.0, 0.0, brick, brick)
         (0.25, -0.2)
     """
+    least = 2.0
+    for away, half, reach in _separating_axes(dx, dy, first, second):
+        share = 0.5 * (half + reach - away) / min(half, reach)
+        if share <= 0.0:
+            return share
+        least = min(least, share)
+    return least
+
+
+def gap_between(dx: float, dy: float, first: Form, second: Form) -> float:
+    """How many pixels two boxes are apart on the separating axis that tells them apart best; below 0 if they overlap.
+
+    Args:
+        dx, dy: from the first box's centre to the second one's.
+        first, second: the boxes.
+
+    Examples:
+        >>> brick = Form(10.0, 4.0, 1.0, 0.0)
+        >>> gap_between(24.0, 3.0, brick, brick)
+        4.0
+    """
+    return max(away - half - reach for away, half, reach in _separating_axes(dx, dy, first, second))
+
+
+def _separating_axes(dx: float, dy: float, first: Form, second: Form) -> tuple[tuple[float, float, float], ...]:
+    """Along each side of both boxes: how far apart centres are, and how far each box reaches from its own."""
     along = abs(first.cosine * second.cosine + first.sine * second.sine)
     aslant = abs(first.sine * second.cosine - first.cosine * second.sine)
-    least = 2.0
-    for one, other in ((first, second), (second, first)):
-        for away, half, reach in (
-            (dx * one.cosine + dy * one.sine, one.across, other.across * along + other.down * aslant),
-            (dy * one.cosine - dx * one.sine, one.down, other.across * aslant + other.down * along),
-        ):
-            share = 0.5 * (half + reach - abs(away)) / min(half, reach)
-            if share <= 0.0:
-                return share
-            least = min(least, share)
-    return least
+    return (
+        (abs(dx * first.cosine + dy * first.sine), first.across, second.across * along + second.down * aslant),
+        (abs(dy * first.cosine - dx * first.sine), first.down, second.across * aslant + second.down * along),
+        (abs(dx * second.cosine + dy * second.sine), second.across, first.across * along + first.down * aslant),
+        (abs(dy * second.cosine - dx * second.sine), second.down, first.across * aslant + first.down * along),
+    )

@@ -19,9 +19,15 @@ from jaxtex.particles.composition import Composition, identify_exemplar
 from jaxtex.particles.plane import Grid, Plane
 from jaxtex.particles.things import Decomposition
 
-MOST_OVERLAP = 0.3
+MOST_OVERLAP = 0.12
 """Of the smaller of two boxes with their clearance, along the axis that tells them apart best: by how much they may
 overlap at most (see `overlap_share`). Section 2.2 says: not too much."""
+
+LEAST_DISTANCE = 0.85
+"""Of how far neighbours are from each other as a rule, centre to centre: how close they may come."""
+
+_SURPLUS = 1.15  # times the picture's density: where more have found room, some are taken away
+_STALE = 0.01  # of all placed: if fewer than that are new in a round, it is the last
 
 _TRIES = 12  # places that are tried around each particle of a class whose arrangement is not known
 
@@ -29,10 +35,14 @@ Admit = Callable[[int, float, float], bool]
 """Whether particles of a class may be seen at a place (x, y)."""
 
 
+_Propose = Callable[[int, float, float], Iterator[tuple[int, float, float]]]
+"""From a particle to those that may stand around it; each is its index in the class, x and y."""
+
+
 class _Placed(NamedTuple):
     x: float
     y: float
-    member: int
+    which: int
     footprint: Form
 
 
@@ -41,7 +51,6 @@ class _Sowing(NamedTuple):
 
     plane: Plane
     grid: Grid[_Placed]
-    members: tuple[int, ...]
     forms: tuple[Form, ...]
     footprints: tuple[Form, ...]
     apart: float
@@ -61,18 +70,22 @@ def seed_composition(
 ) -> Composition:
     """Place particles on a plane as those of the picture are arranged.
 
-    Each class begins with a particle at the germ. Around every particle that is placed, neighbours come where a list of
-    its class, chosen at random, has them, each of them a complete particle chosen at random, unless it would overlap one
-    of its class by too much (`MOST_OVERLAP`). That goes on until nothing more can be placed. Classes whose arrangement
-    is not known have neighbours in any direction, as far away as in the picture, no closer, and no more of them per
-    pixel. As in the paper, classes know nothing of each other, so particles of several classes may overlap.
+    Each class begins with a particle at the germ. Around every particle that is placed, neighbours come where a list
+    of its class, chosen at random, has them. Each is a complete particle chosen at random, and is left out where it and
+    what particles of its class keep free would overlap one that is there by too much (`MOST_OVERLAP`). That goes on
+    until nothing more can be placed. Classes whose arrangement is not known have neighbours in any direction, as far
+    away as in the picture and no closer. As in the paper, classes know nothing of each other, so that particles of
+    several classes may overlap.
+
+    Departures from section 2.2: all particles get another turn where there are still fewer per pixel than in the
+    picture, and some are taken away, at random, where there are clearly more.
 
     Args:
         decomposition: the picture taken apart.
         arrangement: what `learn_arrangement` learnt of it.
         size: width and height of the plane in pixels.
         key: of all random choices.
-        tileable: whether the plane repeats to all sides. Lattices only do so well in sizes that are multiples of theirs.
+        tileable: whether the plane repeats to all sides. Lattices do so well in sizes that are multiples of theirs.
         germ: (x, y) of the first particle of each class; at random by default, another place for each class.
         order: of the classes, from below; by default by their numbers. Those that are not named are left out.
         admit: which particles are seen, by class and place. Others still have neighbours, so that the arrangement goes
@@ -112,7 +125,7 @@ def seed_composition(
         periodic=tileable,
         exemplar=identify_exemplar(decomposition),
         kinds=np.array([kind for kind, _ in placed], np.intp),
-        particles=np.array([each.member for _, each in placed], np.intp),
+        particles=np.array([arrangement.classes[kind].members[each.which] for kind, each in placed], np.intp),
         x=np.array([each.x for _, each in placed]),
         y=np.array([each.y for _, each in placed]),
         angles=np.zeros(len(placed)),
@@ -126,7 +139,10 @@ def _sow_class(
     if not rule.members:
         return []
     forms = tuple(form_of(decomposition.particles[member].box) for member in rule.members)
-    clearance, apart = (rule.clearance, 0.0) if isinstance(rule, Listed) else (0.0, min(rule.distances))
+    if isinstance(rule, Listed):
+        apart, clearance = LEAST_DISTANCE * rule.apart, rule.clearance
+    else:
+        apart, clearance = min(rule.distances), 0.0
     footprints = tuple(form.grown(0.5 * clearance) for form in forms)
     widest = 2.0 * max(hypot(form.across, form.down) for form in footprints)
     if plane.periodic and widest > min(plane.width, plane.height):
@@ -135,39 +151,46 @@ def _sow_class(
             f"take {widest:.0f} pixels; give a larger one"
         )
     grid: Grid[_Placed] = Grid(plane, max(widest, apart))
-    sowing = _Sowing(plane, grid, rule.members, forms, footprints, apart, rng)
+    sowing = _Sowing(plane, grid, forms, footprints, apart, rng)
     propose = _listed_places(rule, sowing) if isinstance(rule, Listed) else _scattered_places(rule, sowing)
-    found = _propagate(sowing, germ, propose)
-    if isinstance(rule, Scattered):
-        # Close pairs in a large picture would else fill the plane.
-        most = round(rule.density * plane.width * plane.height)
-        return sorted(rng.sample(found, max(1, min(most, len(found)))), key=found.index)
-    return found
+    enough = rule.density * plane.width * plane.height
+    found = _propagate(sowing, germ, propose, enough)
+    there = _count_inside(plane, found)
+    if there <= _SURPLUS * enough:
+        return found
+    # Particles that keep no distance find room between others without end.
+    kept = rng.sample(range(len(found)), max(1, round(len(found) * enough / there)))
+    return [found[index] for index in sorted(kept)]
 
 
-def _propagate(
-    sowing: _Sowing, germ: tuple[float, float], propose: Callable[[int, float, float], Iterator]
-) -> list[_Placed]:
-    """All particles that follow from the one at the germ, in the order in which they were placed."""
-    plane, grid, forms = sowing.plane, sowing.grid, sowing.forms
-    queue: deque[tuple[int, float, float]] = deque()
-    found: list[_Placed] = []
+def _propagate(sowing: _Sowing, germ: tuple[float, float], propose: _Propose, enough: float) -> list[_Placed]:
+    """All particles that follow from the one at the germ, in the order in which they were placed.
 
-    def place(index: int, x: float, y: float) -> None:
-        each = _Placed(x, y, sowing.members[index], sowing.footprints[index])
-        grid.add(x, y, each)
-        found.append(each)
-        queue.append((index, x, y))
-
+    Where they end with fewer on the plane than `enough`, each gets another turn, with another list.
+    """
+    plane, forms, footprints = sowing.plane, sowing.forms, sowing.footprints
     reaches = [hypot(form.across, form.down) for form in forms]
-    place(_pick(sowing.rng, len(forms)), *germ)
-    while queue:
-        for index, x, y in propose(*queue.popleft()):
-            if plane.contains(x, y, reaches[index]):
-                x, y = plane.wrap(x, y)
-                if not _is_taken(sowing, x, y, sowing.footprints[index]):
-                    place(index, x, y)
-    return found
+    first = _pick(sowing.rng, len(forms))
+    found = [_Placed(*germ, first, footprints[first])]
+    sowing.grid.add(*germ, found[0])
+    while True:
+        before, queue = len(found), deque(found)
+        while queue:
+            parent = queue.popleft()
+            for index, x, y in propose(parent.which, parent.x, parent.y):
+                if plane.contains(x, y, reaches[index]):
+                    x, y = plane.wrap(x, y)
+                    if not _is_taken(sowing, x, y, footprints[index]):
+                        child = _Placed(x, y, index, footprints[index])
+                        sowing.grid.add(x, y, child)
+                        found.append(child)
+                        queue.append(child)
+        if len(found) - before <= _STALE * len(found) or _count_inside(plane, found) >= enough:
+            return found
+
+
+def _count_inside(plane: Plane, found: Sequence[_Placed]) -> int:
+    return sum(plane.contains(each.x, each.y) for each in found)
 
 
 def _is_taken(sowing: _Sowing, x: float, y: float, footprint: Form) -> bool:
@@ -180,7 +203,7 @@ def _is_taken(sowing: _Sowing, x: float, y: float, footprint: Form) -> bool:
     return False
 
 
-def _listed_places(rule: Listed, sowing: _Sowing) -> Callable[[int, float, float], Iterator]:
+def _listed_places(rule: Listed, sowing: _Sowing) -> _Propose:
     """Around a particle, the places that a list of its class has for neighbours."""
     forms, rng = sowing.forms, sowing.rng
     common = (cos(rule.angle), sin(rule.angle))
@@ -196,7 +219,7 @@ def _listed_places(rule: Listed, sowing: _Sowing) -> Callable[[int, float, float
     return propose
 
 
-def _scattered_places(rule: Scattered, sowing: _Sowing) -> Callable[[int, float, float], Iterator]:
+def _scattered_places(rule: Scattered, sowing: _Sowing) -> _Propose:
     """Around a particle, places in any direction, as far away as one of the picture's distances."""
     rng = sowing.rng
 
@@ -219,7 +242,8 @@ def _check_request(
         raise ValueError(f"size {plane.width} x {plane.height}: give whole numbers of pixels, at least 1")
     if germ is not None and not (0 <= germ[0] <= plane.width and 0 <= germ[1] <= plane.height):
         raise ValueError(f"germ {germ[0]}, {germ[1]}: is not on the plane of {plane.width} x {plane.height} pixels")
-    if len(set(kinds)) < len(kinds) or not set(kinds) <= set(range(len(arrangement.classes))):
-        raise ValueError(f"order {list(kinds)}: name classes from 0 to {len(arrangement.classes) - 1}, each at most once")
+    count = len(arrangement.classes)
+    if len(set(kinds)) < len(kinds) or not set(kinds) <= set(range(count)):
+        raise ValueError(f"order {list(kinds)}: name classes from 0 to {count - 1}, each at most once")
     if not any(arrangement.classes[kind].members for kind in kinds):
         raise ValueError("no particle is complete, so there is none to place; give a picture with a whole one")
