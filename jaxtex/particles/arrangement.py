@@ -12,7 +12,15 @@ import numpy as np
 from scipy.ndimage import distance_transform_cdt, find_objects
 from scipy.spatial import cKDTree
 
-from jaxtex.particles.boxes import Form, form_of, gap_between, reach_along
+from jaxtex.particles.boxes import form_of, gap_between
+from jaxtex.particles.cooccurrences import (
+    Arrangement,
+    Cooccurrence,
+    Listed,
+    Scattered,
+    cooccurrence_of,
+    place_neighbour,
+)
 from jaxtex.particles.things import Box, Decomposition, Labels
 
 _MOST_GROWTH = 2.0
@@ -23,69 +31,6 @@ _FEWEST = 4  # particles of a class that have an arrangement (section 2.2: one, 
 _CLOSEST = 0.1  # of all neighbours that are nearest to a particle: how many are closer than what they keep as a rule
 _COMPARED = 16  # other particles whose lists are tried at each particle
 _CLEARLY = 0.95  # of the error in the picture's frame: what another frame has at most to be taken
-
-SIGNS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
-"""To which sides of a particle its quadrants 0 to 3 lie, along its frame's x and y."""
-
-
-class Cooccurrence(NamedTuple):
-    """Where a particle has a neighbour, in the particle's frame (see `place_neighbour`).
-
-    Attributes:
-        quadrant: 0 to 3, clockwise as seen from the frame's x-axis, which is in 0; its y-axis is in 1.
-        dx, dy: from box to box along the frame's axes. Where the boxes are apart, pixels between them. Where they
-            overlap, less than 0: by how much they do, as a share of how much they could; -1 where centres are level.
-    """
-
-    quadrant: int
-    dx: float
-    dy: float
-
-
-class Listed(NamedTuple):
-    """A class whose particles have neighbours in all quadrants.
-
-    Attributes:
-        members: its complete particles, numbers from 0 in the decomposition.
-        lists: of co-occurrences, one for each complete particle that has neighbours.
-        turned: whether each particle's frame is turned as its own box is.
-        angle: by which all frames are turned otherwise, radians.
-        clearance: pixels between the boxes of neighbours, of most at least; below 0 where boxes overlap.
-        apart: pixels between their centres, likewise.
-        density: particles per pixel.
-    """
-
-    members: tuple[int, ...]
-    lists: tuple[tuple[Cooccurrence, ...], ...]
-    turned: bool
-    angle: float
-    clearance: float
-    apart: float
-    density: float
-
-
-class Scattered(NamedTuple):
-    """A class too small to show an arrangement: only how far its particles are from each other is known.
-
-    Attributes:
-        members: its complete particles, numbers from 0 in the decomposition; perhaps none.
-        distances: between centres of particles, pixels; of a single one, the picture's width and height.
-        density: particles per pixel.
-    """
-
-    members: tuple[int, ...]
-    distances: tuple[float, ...]
-    density: float
-
-
-class Arrangement(NamedTuple):
-    """How the particles of a picture are arranged.
-
-    Attributes:
-        classes: each class's way, by its number.
-    """
-
-    classes: tuple[Listed | Scattered, ...]
 
 
 class _Seen(NamedTuple):
@@ -147,52 +92,6 @@ def grow_to_others(labels: Labels, number: int, around: Sequence[slice], most: i
     steps = np.full(len(others), most, np.intp)
     np.minimum.at(steps, which, distance[near])
     return dict(zip(others.tolist(), steps.tolist(), strict=True))
-
-
-def cooccurrence_of(box: Box, other: Box, angle: float) -> Cooccurrence:
-    """Where another box lies as seen from a box, in a frame turned by `angle`; `place_neighbour` undoes it."""
-    cosine, sine = cos(angle), sin(angle)
-    x, y = other.x - box.x, other.y - box.y
-    x, y = x * cosine + y * sine, y * cosine - x * sine
-    reaches = zip(reach_along(form_of(box), cosine, sine), reach_along(form_of(other), cosine, sine), strict=True)
-    dx, dy = (_gap(abs(away), sum(reach)) for away, reach in zip((x, y), reaches, strict=True))
-    if x > 0:
-        return Cooccurrence(0 if y >= 0 else 3, dx, dy)
-    if x < 0:
-        return Cooccurrence(1 if y > 0 else 2, dx, dy)
-    return Cooccurrence(1 if y > 0 else 3, dx, dy)
-
-
-def place_neighbour(entry: Cooccurrence, form: Form, other: Form, cosine: float, sine: float) -> tuple[float, float]:
-    """Where a neighbour lies: the way from a particle's centre to its own, along the picture's x and y.
-
-    Along each axis of the frame, boxes that are apart stay as many pixels apart, whatever their sizes. Boxes that
-    overlap do so by the same share of how much they could, so that rows stay rows if sizes vary. (Section 2.2 does not
-    say how negative distances are meant.)
-
-    Args:
-        entry: of the particle's list.
-        form: the particle's box.
-        other: the neighbour's box.
-        cosine, sine: of the angle of the particle's frame.
-
-    Examples:
-        >>> place_neighbour(Cooccurrence(0, 5.0, -1.0), Form(8.0, 4.0, 1.0, 0.0), Form(6.0, 3.0, 1.0, 0.0), 1.0, 0.0)
-        (19.0, 0.0)
-    """
-    (across, down), (other_across, other_down) = reach_along(form, cosine, sine), reach_along(other, cosine, sine)
-    toward_x, toward_y = SIGNS[entry.quadrant]
-    x = toward_x * _away(entry.dx, across + other_across)
-    y = toward_y * _away(entry.dy, down + other_down)
-    return x * cosine - y * sine, x * sine + y * cosine
-
-
-def _gap(away: float, reach: float) -> float:
-    return away - reach if away >= reach else away / reach - 1.0
-
-
-def _away(gap: float, reach: float) -> float:
-    return reach + gap if gap >= 0 else reach * (1.0 + gap)
 
 
 def _learn_class(decomposition: Decomposition, kinds: Sequence[int], kind: int) -> Listed | Scattered:
@@ -298,7 +197,7 @@ def _choose_frames(decomposition: Decomposition, numbers: Sequence[int], seen: d
 
 
 def _predict(decomposition: Decomposition, tree: cKDTree, seen: dict[int, list[_Seen]], frames: _Frames) -> float:
-    """How far from any particle places are, on average, where one's list has neighbours and another stands."""
+    """How far from any particle places are, as a rule, that one particle's list has for neighbours of another one."""
     height, width = decomposition.labels.shape
     boxes, around = [particle.box for particle in decomposition.particles], list(seen)
     forms = [form_of(box) for box in boxes]
@@ -312,4 +211,4 @@ def _predict(decomposition: Decomposition, tree: cKDTree, seen: dict[int, list[_
                 x, y = boxes[other].x + dx, boxes[other].y + dy
                 if 0 <= x <= width and 0 <= y <= height:
                     places.append((x, y))
-    return float(np.mean(tree.query(places)[0])) if places else 0.0
+    return float(np.median(tree.query(places)[0])) if places else 0.0

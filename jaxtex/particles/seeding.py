@@ -13,9 +13,9 @@ import jax
 import numpy as np
 from jax import Array
 
-from jaxtex.particles.arrangement import Arrangement, Listed, Scattered, place_neighbour
 from jaxtex.particles.boxes import Form, form_of, overlap_share
 from jaxtex.particles.composition import Composition, identify_exemplar
+from jaxtex.particles.cooccurrences import Arrangement, Listed, Scattered, place_neighbour
 from jaxtex.particles.plane import Grid, Plane
 from jaxtex.particles.things import Decomposition
 

@@ -9,16 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.ndimage import binary_dilation, find_objects
 
-from jaxtex.particles.arrangement import (
-    Cooccurrence,
-    Listed,
-    Scattered,
-    cooccurrence_of,
-    grow_to_others,
-    learn_arrangement,
-    place_neighbour,
-)
+from jaxtex.particles.arrangement import grow_to_others, learn_arrangement
 from jaxtex.particles.boxes import form_of
+from jaxtex.particles.cooccurrences import Cooccurrence, Listed, Scattered, cooccurrence_of, place_neighbour
 from jaxtex.particles.things import Box, Decomposition, describe_particles
 
 SIZE = (220, 200)
@@ -136,14 +129,15 @@ def test_a_class_without_whole_particles_has_no_members() -> None:
 
 def test_patches_that_lie_crosswise_have_their_own_frames() -> None:
     rng = np.random.default_rng(1)
-    around = np.stack(np.meshgrid([-14.0, 0.0, 14.0], [-14.0, 0.0, 14.0]), axis=-1).reshape(-1, 2)
+    steps = np.arange(-2, 3)
+    around = [(16.0 * i, 10.0 * j) for i in steps for j in steps]
     places, angles = [], []
-    for x in range(50, 400, 100):
-        for y in range(50, 400, 100):
-            angle = rng.uniform(-40, 40)
-            places += [(x + u, y + v) for u, v in turn([tuple(each) for each in around], angle)]
-            angles += [angle] * 9
-    patches = draw_things(np.array(places), (400, 400), width=10, height=10, angles=np.array(angles))
+    for x in range(60, 480, 120):
+        for y in range(60, 480, 120):
+            angle = rng.uniform(-70, 70)
+            places += [(x + u, y + v) for u, v in turn(around, angle)]
+            angles += [angle] * len(around)
+    patches = draw_things(np.array(places), (480, 480), width=12, height=6, angles=np.array(angles))
     rule = learn_arrangement(patches).classes[0]
     assert isinstance(rule, Listed)
     assert rule.turned
