@@ -26,6 +26,10 @@ overlap at most (see `overlap_share`). Section 2.2 says: not too much."""
 LEAST_DISTANCE = 0.85
 """Of how far neighbours are from each other as a rule, centre to centre: how close they may come."""
 
+_LEAST_ROOM = 0.25
+"""Of the side of the square that each particle has on average: how close none comes to another. Things strewn at random
+keep no distance at all, and would find room without end."""
+
 _SURPLUS = 1.15  # times the picture's density: where more have found room, some are taken away
 _STALE = 0.01  # of all placed: if fewer than that are new in a round, it is the last
 
@@ -47,13 +51,14 @@ class _Placed(NamedTuple):
 
 
 class _Sowing(NamedTuple):
-    """What the particles of one class are placed by."""
+    """What the particles of one class are placed by: how close centres may come, and how far footprints reach."""
 
     plane: Plane
     grid: Grid[_Placed]
     forms: tuple[Form, ...]
     footprints: tuple[Form, ...]
     apart: float
+    reach: float
     rng: Random
 
 
@@ -140,7 +145,8 @@ def _sow_class(
         return []
     forms = tuple(form_of(decomposition.particles[member].box) for member in rule.members)
     if isinstance(rule, Listed):
-        apart, clearance = LEAST_DISTANCE * rule.apart, rule.clearance
+        room = _LEAST_ROOM * rule.density**-0.5
+        apart, clearance = max(LEAST_DISTANCE * rule.apart, room), rule.clearance
     else:
         apart, clearance = min(rule.distances), 0.0
     footprints = tuple(form.grown(0.5 * clearance) for form in forms)
@@ -151,14 +157,14 @@ def _sow_class(
             f"take {widest:.0f} pixels; give a larger one"
         )
     grid: Grid[_Placed] = Grid(plane, max(widest, apart))
-    sowing = _Sowing(plane, grid, forms, footprints, apart, rng)
+    sowing = _Sowing(plane, grid, forms, footprints, apart, widest, rng)
     propose = _listed_places(rule, sowing) if isinstance(rule, Listed) else _scattered_places(rule, sowing)
     enough = rule.density * plane.width * plane.height
     found = _propagate(sowing, germ, propose, enough)
     there = _count_inside(plane, found)
     if there <= _SURPLUS * enough:
         return found
-    # Particles that keep no distance find room between others without end.
+    # Particles that keep little distance find much room between others.
     kept = rng.sample(range(len(found)), max(1, round(len(found) * enough / there)))
     return [found[index] for index in sorted(kept)]
 
@@ -195,10 +201,11 @@ def _count_inside(plane: Plane, found: Sequence[_Placed]) -> int:
 
 def _is_taken(sowing: _Sowing, x: float, y: float, footprint: Form) -> bool:
     """Whether a particle would overlap one that is there by too much, or come too close to one."""
-    plane, apart = sowing.plane, sowing.apart
+    difference, nearest, furthest = sowing.plane.difference, sowing.apart**2, sowing.reach**2
     for each in sowing.grid.near(x, y):
-        dx, dy = plane.difference(each.x, each.y, x, y)
-        if dx * dx + dy * dy < apart * apart or overlap_share(dx, dy, each.footprint, footprint) > MOST_OVERLAP:
+        dx, dy = difference(each.x, each.y, x, y)
+        square = dx * dx + dy * dy
+        if square < nearest or (square < furthest and overlap_share(dx, dy, each.footprint, footprint) > MOST_OVERLAP):
             return True
     return False
 
