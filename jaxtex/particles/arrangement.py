@@ -12,7 +12,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_cdt, find_objects
 from scipy.spatial import cKDTree
 
-from jaxtex.particles.boxes import form_of, gap_between
+from jaxtex.particles.boxes import form_of, gap_between, overlap_share
 from jaxtex.particles.cooccurrences import (
     Arrangement,
     Cooccurrence,
@@ -122,21 +122,31 @@ def _measure_density(decomposition: Decomposition, numbers: Sequence[int], membe
     return sum(areas) / float(np.mean(whole or areas or [1])) / decomposition.labels.size
 
 
-def _measure_closeness(decomposition: Decomposition, seen: dict[int, list[_Seen]]) -> tuple[float, float]:
-    """How close neighbours are as a rule: their boxes, and their centres."""
+def _measure_closeness(decomposition: Decomposition, seen: dict[int, list[_Seen]]) -> tuple[float, float, float]:
+    """How close neighbours are as a rule: pixels between boxes, their overlap as a share, pixels between centres."""
     particles = decomposition.particles
-    gaps, distances = [], []
+    forms = {number: form_of(particles[number].box) for number in seen}
+    closest = []
     for number, found in seen.items():
-        whole = [each.number for each in found if particles[each.number].complete]
         box = particles[number].box
-        ways = [(particles[other].box.x - box.x, particles[other].box.y - box.y, other) for other in whole]
+        ways = [
+            (
+                particles[each.number].box.x - box.x,
+                particles[each.number].box.y - box.y,
+                forms[number],
+                forms[each.number],
+            )
+            for each in found
+            if each.number in forms
+        ]
         if ways:
-            distances.append(min(hypot(dx, dy) for dx, dy, _ in ways))
-            form = form_of(box)
-            gaps.append(min(gap_between(dx, dy, form, form_of(particles[other].box)) for dx, dy, other in ways))
-    if not gaps:
-        return 0.0, 0.0
-    return float(np.quantile(gaps, _CLOSEST)), float(np.quantile(distances, _CLOSEST))
+            gap, share = min(gap_between(*way) for way in ways), max(overlap_share(*way) for way in ways)
+            closest.append((gap, share, min(hypot(way[0], way[1]) for way in ways)))
+    if not closest:
+        return 0.0, 0.0, 0.0
+    gaps, shares, distances = np.transpose(closest)
+    clearance, apart = (float(np.quantile(each, _CLOSEST)) for each in (gaps, distances))
+    return max(0.0, clearance), max(0.0, float(np.median(shares))), apart
 
 
 def _find_neighbours(

@@ -20,9 +20,8 @@ class Form(NamedTuple):
     sine: float
 
     def grown(self, margin: float) -> "Form":
-        """The box with a margin around it; one below 0 takes away half of each side at most."""
-        across, down = (max(half + margin, 0.5 * half) for half in (self.across, self.down))
-        return Form(across, down, self.cosine, self.sine)
+        """The box with a margin around it."""
+        return self._replace(across=self.across + margin, down=self.down + margin)
 
 
 def form_of(box: Box) -> Form:

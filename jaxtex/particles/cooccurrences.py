@@ -36,8 +36,9 @@ class Listed(NamedTuple):
         lists: of co-occurrences, one for each complete particle that has neighbours.
         turned: whether each particle's frame is turned as its own box is.
         angle: by which all frames are turned otherwise, radians.
-        clearance: pixels between the boxes of neighbours, of most at least; below 0 where boxes overlap.
-        apart: pixels between their centres, likewise.
+        clearance: pixels between the boxes of neighbours, of most at least; 0 where boxes overlap.
+        overlap: by how much they do, as a share (see `overlap_share`): the median over all particles.
+        apart: pixels between centres of neighbours, of most at least.
         density: particles per pixel.
     """
 
@@ -46,6 +47,7 @@ class Listed(NamedTuple):
     turned: bool
     angle: float
     clearance: float
+    overlap: float
     apart: float
     density: float
 

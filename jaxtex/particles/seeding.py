@@ -21,7 +21,7 @@ from jaxtex.particles.things import Decomposition
 
 MOST_OVERLAP = 0.12
 """Of the smaller of two boxes with their clearance, along the axis that tells them apart best: by how much they may
-overlap at most (see `overlap_share`). Section 2.2 says: not too much."""
+overlap at most (see `overlap_share`), beyond how much they do in the picture. Section 2.2 says: not too much."""
 
 LEAST_DISTANCE = 0.85
 """Of how far neighbours are from each other as a rule, centre to centre: how close they may come."""
@@ -51,13 +51,17 @@ class _Placed(NamedTuple):
 
 
 class _Sowing(NamedTuple):
-    """What the particles of one class are placed by: how close centres may come, and how far footprints reach."""
+    """What the particles of one class are placed by.
+
+    `apart` is how close centres may come, `most` how much footprints may overlap, `reach` how far away those can be.
+    """
 
     plane: Plane
     grid: Grid[_Placed]
     forms: tuple[Form, ...]
     footprints: tuple[Form, ...]
     apart: float
+    most: float
     reach: float
     rng: Random
 
@@ -146,9 +150,9 @@ def _sow_class(
     forms = tuple(form_of(decomposition.particles[member].box) for member in rule.members)
     if isinstance(rule, Listed):
         room = _LEAST_ROOM * rule.density**-0.5
-        apart, clearance = max(LEAST_DISTANCE * rule.apart, room), rule.clearance
+        apart, clearance, overlap = max(LEAST_DISTANCE * rule.apart, room), rule.clearance, rule.overlap
     else:
-        apart, clearance = min(rule.distances), 0.0
+        apart, clearance, overlap = min(rule.distances), 0.0, 0.0
     footprints = tuple(form.grown(0.5 * clearance) for form in forms)
     widest = 2.0 * max(hypot(form.across, form.down) for form in footprints)
     if plane.periodic and widest > min(plane.width, plane.height):
@@ -156,14 +160,16 @@ def _sow_class(
             f"size {plane.width} x {plane.height}: too small to repeat, as a particle and what it keeps free "
             f"take {widest:.0f} pixels; give a larger one"
         )
-    grid: Grid[_Placed] = Grid(plane, max(widest, apart))
-    sowing = _Sowing(plane, grid, forms, footprints, apart, widest, rng)
-    propose = _listed_places(rule, sowing) if isinstance(rule, Listed) else _scattered_places(rule, sowing)
     enough = rule.density * plane.width * plane.height
-    found = _propagate(sowing, germ, propose, enough)
-    there = _count_inside(plane, found)
-    if there <= _SURPLUS * enough:
-        return found
+    # Things that interlock in the picture do not elsewhere: where too many find room, their boxes keep more apart.
+    for allowed in (overlap, 0.5 * overlap, 0.0) if overlap > 0 else (0.0,):
+        grid: Grid[_Placed] = Grid(plane, max(widest, apart))
+        sowing = _Sowing(plane, grid, forms, footprints, apart, MOST_OVERLAP + allowed, widest, rng)
+        propose = _listed_places(rule, sowing) if isinstance(rule, Listed) else _scattered_places(rule, sowing)
+        found = _propagate(sowing, germ, propose, enough)
+        there = _count_inside(plane, found)
+        if there <= _SURPLUS * enough:
+            return found
     # Particles that keep little distance find much room between others.
     kept = rng.sample(range(len(found)), max(1, round(len(found) * enough / there)))
     return [found[index] for index in sorted(kept)]
@@ -201,11 +207,12 @@ def _count_inside(plane: Plane, found: Sequence[_Placed]) -> int:
 
 def _is_taken(sowing: _Sowing, x: float, y: float, footprint: Form) -> bool:
     """Whether a particle would overlap one that is there by too much, or come too close to one."""
-    difference, nearest, furthest = sowing.plane.difference, sowing.apart**2, sowing.reach**2
+    difference, most = sowing.plane.difference, sowing.most
+    nearest, furthest = sowing.apart**2, sowing.reach**2
     for each in sowing.grid.near(x, y):
         dx, dy = difference(each.x, each.y, x, y)
         square = dx * dx + dy * dy
-        if square < nearest or (square < furthest and overlap_share(dx, dy, each.footprint, footprint) > MOST_OVERLAP):
+        if square < nearest or (square < furthest and overlap_share(dx, dy, each.footprint, footprint) > most):
             return True
     return False
 

@@ -55,7 +55,3 @@ def test_overlap_is_a_share_of_the_smaller_box() -> None:
     large, small = Form(10.0, 10.0, 1.0, 0.0), Form(2.0, 2.0, 1.0, 0.0)
     assert overlap_share(10.0, 0.0, large, small) == 0.5
     assert overlap_share(3.0, 3.0, large, small) >= 1
-
-
-def test_boxes_shrink_to_half_at_most() -> None:
-    assert Form(10.0, 2.0, 1.0, 0.0).grown(-3.0) == Form(7.0, 1.0, 1.0, 0.0)

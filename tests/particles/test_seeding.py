@@ -6,6 +6,7 @@ import pytest
 from drawn_lattices import draw_things, lattice, measure_lattice, nearest_distances, poisson_disc, turn
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
 from jaxtex.particles.arrangement import learn_arrangement
 from jaxtex.particles.boxes import form_of, overlap_share
@@ -87,6 +88,21 @@ def test_things_anywhere_are_not_crowded() -> None:
     assert count_inside(places(made)) == pytest.approx(140 / 240**2 * np.prod(LARGE), rel=0.15)
 
 
+def test_interlocking_things_leave_no_holes() -> None:
+    points = poisson_disc(SIZE, 18, np.random.default_rng(1))
+    row, column = np.indices(SIZE[::-1]) + 0.5
+    (nearest, next_one), owner = (
+        each.reshape(-1, 2).T.reshape(2, *row.shape)
+        for each in cKDTree(points).query(np.stack([column, row], axis=-1), 2)
+    )
+    labels = np.where(next_one - nearest > 2, owner[0] + 1, 0)
+    made = seed(describe_particles(labels, np.zeros(len(np.unique(labels[labels > 0])), int)))
+    anywhere = np.random.default_rng(0).uniform(0, LARGE, (5000, 2))
+    assert cKDTree(places(made)).query(anywhere)[0].max() < 2.5 * nearest.max()
+    density = len(points) / ((SIZE[0] + 60) * (SIZE[1] + 60))
+    assert count_inside(places(made)) == pytest.approx(density * np.prod(LARGE), rel=0.2)
+
+
 def draw_mixed(seed: int) -> Decomposition:
     """Bricks of many sizes and angles of two classes."""
     rng = np.random.default_rng(seed)
@@ -118,7 +134,7 @@ def test_nothing_overlaps_too_much(number: int, tileable: bool) -> None:
         for i in chosen:
             for j in chosen[chosen > i]:
                 dx, dy = plane.difference(made.x[i], made.y[i], made.x[j], made.y[j])
-                assert overlap_share(dx, dy, forms[i], forms[j]) <= MOST_OVERLAP + 1e-9
+                assert overlap_share(dx, dy, forms[i], forms[j]) <= MOST_OVERLAP + rule.overlap + 1e-9
                 assert np.hypot(dx, dy) >= LEAST_DISTANCE * rule.apart - 1e-9
     check_exemplar(made, things)
     assert all(things.particles[each].complete for each in made.particles)
