@@ -50,7 +50,8 @@ def learn_arrangement(decomposition: Decomposition) -> Arrangement:
     quadrant's, turned by a right angle.
 
     Departures from section 2.2: quadrants that growth does not reach in time do not prolong it; frames are the
-    picture's, common to a class or each particle's own, as predicts best where other particles of the class are.
+    picture's, common to a class or each particle's own, as predicts best where other particles of the class are. A
+    class of fewer than four particles, or without a list, is only told how far apart they are.
 
     Args:
         decomposition: the picture taken apart.

@@ -86,8 +86,10 @@ def seed_composition(
     away as in the picture and no closer. As in the paper, classes know nothing of each other, so that particles of
     several classes may overlap.
 
-    Departures from section 2.2: all particles get another turn where there are still fewer per pixel than in the
-    picture, and some are taken away, at random, where there are clearly more.
+    Departures from section 2.2: boxes count with the clearance that they have in the picture, and centres keep a
+    distance too, so that small things far apart are not crowded. All particles get another turn where there are still
+    fewer per pixel than in the picture. Where there are clearly more, boxes that overlap in the picture keep more
+    apart, and then some particles are taken away at random.
 
     Args:
         decomposition: the picture taken apart.
