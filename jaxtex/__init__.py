@@ -116,6 +116,11 @@ if TYPE_CHECKING:
     from jaxtex.models.wood_files import canonical_wood as canonical_wood
     from jaxtex.models.wood_files import wood_from_parameters as wood_from_parameters
     from jaxtex.models.wood_files import wood_parameters as wood_parameters
+    from jaxtex.particles.arrangement import learn_arrangement as learn_arrangement
+    from jaxtex.particles.composition import Composition as Composition
+    from jaxtex.particles.composition import read_composition as read_composition
+    from jaxtex.particles.composition import write_composition as write_composition
+    from jaxtex.particles.seeding import seed_composition as seed_composition
     from jaxtex.photo.automask import auto_mask as auto_mask
     from jaxtex.photo.edges import pyramid_edges as pyramid_edges
     from jaxtex.photo.edges import sobel_edges as sobel_edges
@@ -265,6 +270,12 @@ _PUBLIC = {
     "verbatim_share": "jaxtex.synthesis.copying",
     "sliced_wasserstein": "jaxtex.synthesis.distances",
     "portilla_simoncelli_distance": "jaxtex.synthesis.portilla_simoncelli",
+    # things of a picture -> a composition of them
+    "learn_arrangement": "jaxtex.particles.arrangement",
+    "seed_composition": "jaxtex.particles.seeding",
+    "Composition": "jaxtex.particles.composition",
+    "read_composition": "jaxtex.particles.composition",
+    "write_composition": "jaxtex.particles.composition",
     # model -> material
     "measure_appearance": "jaxtex.material.measure",
     "Appearance": "jaxtex.material.appearance",
