@@ -39,7 +39,8 @@ def main() -> None:
         METHODS[options.method](dict.fromkeys(AXES, view), options.worker, key=KEY, iterations=2)
         print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
         return
-    results = [time_iteration(), time_methods(), weigh_blocks(), time_points()]
+    weight = weigh_blocks()  # first: a process begins with what the one that starts it holds
+    results = [time_iteration(), time_methods(), weight, time_points()]
     show(results)
     write_report("solid", "Speed of solid textures", results)
 

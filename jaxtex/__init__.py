@@ -120,7 +120,12 @@ if TYPE_CHECKING:
     from jaxtex.particles.composition import Composition as Composition
     from jaxtex.particles.composition import read_composition as read_composition
     from jaxtex.particles.composition import write_composition as write_composition
+    from jaxtex.particles.painting import make_ground as make_ground
+    from jaxtex.particles.painting import paint_composition as paint_composition
     from jaxtex.particles.seeding import seed_composition as seed_composition
+    from jaxtex.particles.segmentation import find_particles as find_particles
+    from jaxtex.particles.things import Decomposition as Decomposition
+    from jaxtex.particles.things import describe_particles as describe_particles
     from jaxtex.photo.automask import auto_mask as auto_mask
     from jaxtex.photo.edges import pyramid_edges as pyramid_edges
     from jaxtex.photo.edges import sobel_edges as sobel_edges
@@ -273,6 +278,11 @@ _PUBLIC = {
     # things of a picture -> a composition of them
     "learn_arrangement": "jaxtex.particles.arrangement",
     "seed_composition": "jaxtex.particles.seeding",
+    "find_particles": "jaxtex.particles.segmentation",
+    "Decomposition": "jaxtex.particles.things",
+    "describe_particles": "jaxtex.particles.things",
+    "make_ground": "jaxtex.particles.painting",
+    "paint_composition": "jaxtex.particles.painting",
     "Composition": "jaxtex.particles.composition",
     "read_composition": "jaxtex.particles.composition",
     "write_composition": "jaxtex.particles.composition",

@@ -189,3 +189,17 @@ def test_rows_show_each_view_once(script: ModuleType) -> None:
     assert (one.shape, two.shape) == ((384, 4 * 384, 3), (384, 5 * 384, 3))
     assert (one[:, 384 : 3 * 384] == 1).all()
     np.testing.assert_allclose(two[:40, 384:424], script.srgb_to_linear(grain[::-1]), atol=1e-6)
+
+
+@pytest.mark.parametrize("script", ["particles"], indirect=True)
+def test_a_row_shows_things_outlined_and_arranged_anew(script: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(script, "SIDE", 96)
+    row, column = np.indices((90, 90)) % 30 - 15
+    things = np.hypot(row, column) < 8
+    drawn, said = script.arrange_anew(np.where(things, 0.1, 0.6)[..., None])
+    assert drawn.shape == (96, 4 * 96, 3)
+    picture, outlined, ground, new = np.split(drawn, 4, axis=1)
+    np.testing.assert_allclose(outlined[:90, :90][~things], 0.35 * picture[:90, :90][~things], rtol=1e-5)
+    assert ground.min() > 0.5
+    assert np.mean(new < 0.5) == pytest.approx(things.mean(), rel=0.3)
+    assert said[:3] == ["9", "9", "1"]

@@ -70,6 +70,8 @@ class Carve:
         kind = self.output.suffix.lower()
         if kind not in (".ply", ".glb"):
             raise InputError(f"{self.output}: cannot be written as '{self.output.suffix}'; name it .ply or .glb")
+        if self.output.resolve() == self.mesh.resolve():
+            raise InputError(f"{self.output}: is the mesh to carve; give the carved one another name")
         place_for_file(self.output)
         if self.texture is None:
             return

@@ -72,7 +72,7 @@ def optimise_solid(
 ) -> npt.NDArray[np.float32]:
     """Make a solid texture whose slices look like the views, edges and things included.
 
-    It takes some ten times as long as `relax_solid`.
+    It takes several times as long as `relax_solid`.
 
     Args:
         views: as `align_views` takes them: two or three of "xy", "xz" and "yz". Of pictures more than four times as

@@ -161,6 +161,7 @@ def test_files_that_cannot_be_read_or_written_are_named(block: Path, ball: Path)
     ("mesh", "output", "words", "told"),
     [
         ("ball.obj", "ball.stl", [], "ball.stl: cannot be written as '.stl'; name it .ply or .glb"),
+        ("ball.ply", "ball.ply", [], "ball.ply: is the mesh to carve; give the carved one another name"),
         ("ball.obj", "none/ball.ply", [], "there is no folder"),
         ("nowhere.ply", "ball.ply", [], "nowhere.ply: there is no such file"),
         ("dot.obj", "ball.ply", [], "block.npz: all vertices of the mesh lie at one point"),
