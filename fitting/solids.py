@@ -1,14 +1,15 @@
 """Solid textures from views: figures, how soon they are like their views, and a cut beside that of a real block.
 
-    python fitting/solids.py FOLDER -o OUT
+    python fitting/solids.py FOLDER -o OUT --meshes MESHES
 
 FOLDER holds the faces of a wooden cube (mokume_CN03_A.png to _F.png, and _cut2.png, an oblique cut through it) and
-pictures of stone (granite_meta.png, marble006_dark.jpg, onyx003.jpg). For each method, OUT/blocks.png shows views and
-blocks, as figure 1 of Dischler, Ghazanfarpour and Freydier (Eurographics 1998) does; OUT/turned.png blocks of one view
-turned, as figure 5; OUT/mixtures.png blocks whose views are of different materials; OUT/hues.png blocks of three
-channels and of one; OUT/cut.png the cube's cut, that of blocks, of the wood model fitted to the cube's faces, and a
-face. OUT/solids.md and OUT/convergence.png have the figures: for each iteration of relaxation, the share of frequencies
-in the views' range and the distance from the views' histograms, and textures' distances from the cut and from views.
+pictures of stone (granite_meta.png, marble006_dark.jpg, onyx003.jpg); gravel is scikit-image's. For each method,
+OUT/blocks.png shows views and blocks, as figure 1 of Dischler, Ghazanfarpour and Freydier (Eurographics 1998) does;
+OUT/turned.png blocks of one view turned, as figure 5; OUT/mixtures.png blocks whose views are of different materials;
+OUT/hues.png blocks of three channels and of one; OUT/cut.png the cube's cut, that of blocks, of the wood model fitted to
+the cube's faces, and a face. OUT/solids.md and OUT/convergence.png have the figures: for each iteration of relaxation,
+the share of frequencies in the views' range and the distance from the views' histograms, and textures' distances from
+the cut and from views. With MESHES, a folder of meshes, OUT/scene.png is that of fitting/solid_scene.py, as figure 7.
 """
 
 import argparse
@@ -23,6 +24,7 @@ os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 import jax
 import matplotlib.pyplot as plt
 import numpy as np
+from skimage import data
 from tables import make_table
 
 import jaxtex as jt
@@ -70,6 +72,7 @@ def read_views(folder: Path) -> dict[str, Views]:
         "granite": dict.fromkeys(AXES, stones[0]),
         "marble": dict.fromkeys(AXES, stones[1]),
         "onyx": dict.fromkeys(AXES, stones[2]),
+        "gravel": dict.fromkeys(AXES, np.repeat(data.gravel()[..., None] / 255, 3, axis=2)),
         "wood, two views": {"xy": flat, "yz": side},
         "wood, three views": {"xy": flat, "xz": end, "yz": side},
     }
@@ -175,6 +178,22 @@ def compare_hues(path: Path, materials: dict[str, Views]) -> list[list[str]]:
     return lines
 
 
+def compare_slices(materials: dict[str, Views], blocks: list[list[np.ndarray]]) -> list[list[str]]:
+    """How far slices are from their views, by patches and by statistics: means of three across each axis."""
+    lines = []
+    for (name, views), made in zip(materials.items(), blocks, strict=True):
+        for method, voxels in zip(METHODS, made, strict=True):
+            pairs = [
+                (view, np.take(voxels, SIDE * third // 6, axis=AXES[axis]))
+                for axis, view in views.items()
+                for third in (1, 3, 5)
+            ]
+            patches = np.mean([jt.sliced_wasserstein(*pair, key=KEY).total for pair in pairs])
+            statistics = np.mean([portilla_simoncelli_distance(*pair).total for pair in pairs])
+            lines.append([name, method, f"{patches:.3f}", f"{statistics:.3f}"])
+    return lines
+
+
 def fit_cube(source: Path) -> jt.Wood:
     """The wood model of the cube: end grain (face B) tells where the middle of the rings is, face C, held to that, the
     rest. The depth below C, and C's columns, are B's columns and rows."""
@@ -238,6 +257,7 @@ def main(words: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="pictures of solids")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="folder for what is made")
+    parser.add_argument("--meshes", type=Path, metavar="MESHES", help="folder of meshes that are carved of the blocks")
     options = parser.parse_args(words)
     out = options.output
     prepare_folder(out)
@@ -265,12 +285,18 @@ def main(words: Sequence[str] | None = None) -> None:
         make_table(head, convergence),
         "\n![convergence](convergence.png)\n\nDistances from the real cut:\n",
         make_table(["cut", "patches", "statistics"], cuts),
+        "\nDistances of slices from their views:\n",
+        make_table(["block", "method", "patches", "statistics"], compare_slices(materials, blocks)),
         "\nPatches of a slice from those of its view:\n",
         make_table(["block", *get_args(ColourModel)], hues),
         "",
     ]
     atomic_write_text(out / "solids.md", "\n".join(page))
     print("\n".join(page))
+    if options.meshes is not None:
+        from solid_scene import main as draw_scene  # it takes its materials from here
+
+        draw_scene([str(options.folder), "--meshes", str(options.meshes), "-o", str(out / "scene.png")])
 
 
 if __name__ == "__main__":
