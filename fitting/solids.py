@@ -6,8 +6,8 @@ FOLDER holds the faces of a wooden cube (mokume_CN03_A.png to _F.png, and _cut2.
 pictures of stone (granite_meta.png, marble006_dark.jpg, onyx003.jpg); gravel is scikit-image's. For each method,
 OUT/blocks.png shows views and blocks, as figure 1 of Dischler, Ghazanfarpour and Freydier (Eurographics 1998) does;
 OUT/turned.png blocks of one view turned, as figure 5; OUT/mixtures.png blocks whose views are of different materials;
-OUT/hues.png blocks of three channels and of one; OUT/cut.png the cut of the cube, of blocks, of the wood model fitted to
-the cube's faces, and a face. OUT/solids.md and OUT/convergence.png have the figures: for each iteration of relaxation,
+OUT/hues.png blocks of three channels and of one; OUT/cut.png the cut of the cube, of blocks, of the wood model of
+its faces, and a face. OUT/solids.md and OUT/convergence.png have the figures: for each iteration of relaxation,
 the share of frequencies in the views' range and the distance from the views' histograms, and textures' distances from
 the cut and from views. With MESHES, a folder of meshes, OUT/scene.png is that of fitting/solid_scene.py, as figure 7.
 """
