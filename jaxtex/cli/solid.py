@@ -62,8 +62,8 @@ class Solid:
     side: Annotated[int, tyro.conf.arg(aliases=["-n"], metavar="VOXELS")] = 128
     """Voxels along each edge, of a pixel each. The pictures must be larger, by a quarter at least."""
     method: Literal["optimisation", "relaxation"] = "optimisation"
-    """'optimisation' puts the block together of what the pictures show around each place, so that edges, veins and
-    things stay whole. 'relaxation' gives noise the pictures' frequencies and colours: several times as quick, and as
+    """'optimisation' puts the block together of what the pictures show around each place, so that grains and things
+    stay whole and edges sharp. 'relaxation' gives noise the pictures' frequencies and colours: several times as quick, and as
     good for even grain."""
     shrink: float = 1.0
     """Make the pictures so many times smaller first: for patterns that are too large for the block."""
@@ -74,8 +74,8 @@ class Solid:
     """Voxels belong to slices of all axes, so pictures of different colours cannot all be met. 'shared' moves them to
     what lies between before the start, 'own' does not, and 'auto' does where they differ."""
     colours: Literal["decorrelated", "single-hue"] = "decorrelated"
-    """'single-hue' is for materials whose colour is told by how light they are: a third of the work and of the memory,
-    and no false hues; of several hues all but one are lost."""
+    """'single-hue' is for materials whose colour is told by how light they are: less work and memory, and no false
+    hues; of several hues all but one are lost."""
     seed: int = 0
     """Another number, another piece of the material."""
     preview: Annotated[Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="")] = None
