@@ -63,8 +63,8 @@ class Solid:
     """Voxels along each edge, of a pixel each. The pictures must be larger, by a quarter at least."""
     method: Literal["optimisation", "relaxation"] = "optimisation"
     """'optimisation' puts the block together of what the pictures show around each place, so that grains and things
-    stay whole and edges sharp. 'relaxation' gives noise the pictures' frequencies and colours: several times as quick, and as
-    good for even grain."""
+    stay whole and edges sharp. 'relaxation' gives noise the pictures' frequencies and colours: several times as quick,
+    and as good for even grain."""
     shrink: float = 1.0
     """Make the pictures so many times smaller first: for patterns that are too large for the block."""
     iterations: Annotated[int | None, tyro.conf.arg(help_behavior_hint="")] = None
