@@ -20,10 +20,10 @@ from scipy.cluster.vq import kmeans2
 from skimage.measure import regionprops
 from skimage.morphology import disk, h_maxima, opening, remove_small_objects
 from skimage.segmentation import watershed
-from skimage.transform import resize
 
 from jaxtex.core.errors import InputError
 from jaxtex.particles.things import Decomposition, describe_particles
+from jaxtex.photo.evidence import shrink
 from jaxtex.photo.pictures import check_picture, to_lab
 
 Mask = npt.NDArray[np.bool_]
@@ -76,10 +76,8 @@ def find_particles(pixels: npt.ArrayLike, *, kinds: int | None = None) -> Decomp
     if kinds is not None and kinds < 1:
         raise InputError(f"kinds: {kinds} is out of range; give 1 or more")
     lab = to_lab(picture)
-    shrink = max(1.0, max(lab.shape[:2]) / _GLANCE)
-    small = resize(lab, [round(side / shrink) for side in lab.shape[:2]], anti_aliasing=shrink > 1).astype(np.float32)
-    way = _choose_ground(small)
-    labels = _part_things(lab, way, shrink)
+    small = shrink(lab, _GLANCE)
+    labels = _part_things(lab, _choose_ground(small), max(lab.shape[:2]) / max(small.shape[:2]))
     if labels.max() == 0:
         raise InputError("picture: nothing stands out of a ground; paint the things as a label image")
     return describe_particles(labels, _class_things(lab, labels, kinds))
