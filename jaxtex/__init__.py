@@ -120,8 +120,16 @@ if TYPE_CHECKING:
     from jaxtex.particles.composition import Composition as Composition
     from jaxtex.particles.composition import read_composition as read_composition
     from jaxtex.particles.composition import write_composition as write_composition
+    from jaxtex.particles.files import read_particles as read_particles
+    from jaxtex.particles.files import write_particles as write_particles
     from jaxtex.particles.painting import make_ground as make_ground
     from jaxtex.particles.painting import paint_composition as paint_composition
+    from jaxtex.particles.picking import pick_particles as pick_particles
+    from jaxtex.particles.scissors import Polygon as Polygon
+    from jaxtex.particles.scissors import cut_polygons as cut_polygons
+    from jaxtex.particles.scissors import join_things as join_things
+    from jaxtex.particles.scissors import label_painted as label_painted
+    from jaxtex.particles.scissors import read_polygons as read_polygons
     from jaxtex.particles.seeding import seed_composition as seed_composition
     from jaxtex.particles.segmentation import find_particles as find_particles
     from jaxtex.particles.things import Decomposition as Decomposition
@@ -279,6 +287,14 @@ _PUBLIC = {
     "learn_arrangement": "jaxtex.particles.arrangement",
     "seed_composition": "jaxtex.particles.seeding",
     "find_particles": "jaxtex.particles.segmentation",
+    "pick_particles": "jaxtex.particles.picking",
+    "Polygon": "jaxtex.particles.scissors",
+    "cut_polygons": "jaxtex.particles.scissors",
+    "label_painted": "jaxtex.particles.scissors",
+    "join_things": "jaxtex.particles.scissors",
+    "read_polygons": "jaxtex.particles.scissors",
+    "write_particles": "jaxtex.particles.files",
+    "read_particles": "jaxtex.particles.files",
     "Decomposition": "jaxtex.particles.things",
     "describe_particles": "jaxtex.particles.things",
     "make_ground": "jaxtex.particles.painting",

@@ -95,6 +95,31 @@ def grow_to_others(labels: Labels, number: int, around: Sequence[slice], most: i
     return dict(zip(others.tolist(), steps.tolist(), strict=True))
 
 
+def find_neighbours(decomposition: Decomposition) -> dict[int, tuple[int, ...]]:
+    """The neighbours of each complete particle, those that its list is made of, but for what is mirrored.
+
+    Returns:
+        By the particle's number, from 0, its neighbours' numbers, nearest first.
+
+    Examples:
+        >>> from jaxtex.particles.things import describe_particles
+        >>> labels = np.zeros((9, 20), int)
+        >>> labels[3:6, 3:6], labels[3:6, 9:12], labels[3:6, 15:18] = 1, 2, 3
+        >>> find_neighbours(describe_particles(labels, [0, 0, 0]))
+        {0: (1,), 1: (0, 2), 2: (1,)}
+    """
+    where = find_objects(decomposition.labels)
+    by_kind: dict[int, list[int]] = {}
+    for number, particle in enumerate(decomposition.particles):
+        by_kind.setdefault(particle.kind, []).append(number)
+    neighbours = {}
+    for number, particle in enumerate(decomposition.particles):
+        if particle.complete:
+            seen = _find_neighbours(decomposition, by_kind[particle.kind], number, where[number])
+            neighbours[number] = tuple(other for other, _ in _direct(decomposition, number, seen, 0.0))
+    return neighbours
+
+
 def _learn_class(decomposition: Decomposition, kinds: Sequence[int], kind: int) -> Listed | Scattered:
     boxes = [particle.box for particle in decomposition.particles]
     numbers = [number for number, each in enumerate(kinds) if each == kind]
