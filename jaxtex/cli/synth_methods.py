@@ -97,7 +97,8 @@ def _start_coherence(
     options: "Synth", exemplar: "np.ndarray", size: tuple[int, int] | None, radius: int, key: "Array"
 ) -> Iterator["Step"]:
     from jaxtex.io.images import read_image
-    from jaxtex.synthesis.coherence import GUIDE_WEIGHT, coherence_steps
+    from jaxtex.synthesis.coherence import coherence_steps
+    from jaxtex.synthesis.guides import GUIDE_WEIGHT
 
     if options.guide is None:
         return coherence_steps(exemplar, _shape_of(size, exemplar), key=key, radius=radius)

@@ -31,11 +31,9 @@ from jaxtex.synthesis.exemplars import (
     halve_mask,
     neighbourhood_weights,
 )
-from jaxtex.synthesis.neighbourhoods import check_exemplar, check_picture, check_shape
+from jaxtex.synthesis.guides import GUIDE_WEIGHT, weigh_guides
+from jaxtex.synthesis.neighbourhoods import check_exemplar, check_shape
 from jaxtex.synthesis.sources import Sources, Step, last_of, magnify_places
-
-GUIDE_WEIGHT = 0.5
-"""How much guides count beside colours, unless told."""
 
 _COARSEST = 32  # pixels along the shorter side of an exemplar
 _PASSES, _COARSE_PASSES = 2, 6
@@ -94,19 +92,7 @@ def coherence_steps(
     """The same step by step, with the source map so far, from coarse to fine."""
     pixels = check_exemplar(exemplar, radius)
     shape = check_shape(shape)
-    guide = np.zeros((*shape, 0), np.float32)
-    if not (math.isfinite(guide_weight) and guide_weight > 0):
-        raise ValueError(f"guide_weight: {guide_weight} is none; give a number above 0")
-    if guides is not None:
-        ours, guide = (check_picture(each, "guide") for each in guides)
-        if ours.shape[:2] != pixels.shape[:2] or guide.shape[:2] != shape or ours.shape[2] != guide.shape[2]:
-            raise ValueError(
-                f"guides of shapes {ours.shape} and {guide.shape}: give one of the exemplar's size and one of the "
-                f"texture's, {pixels.shape[:2]} and {shape}, with as many channels"
-            )
-        spread, own = (np.sqrt(each.var(axis=(0, 1)).sum()) for each in (pixels, ours))
-        scale = guide_weight * (spread or 1) / (own or 1)
-        pixels, guide = np.concatenate([pixels, scale * ours], axis=2), scale * guide
+    pixels, guide = weigh_guides(pixels, guides, shape, guide_weight)
     levels = analyse_levels(pixels, np.ones(pixels.shape[:2], bool), radius=radius, coarsest=_COARSEST)
     return _refine(levels, guide, np.zeros(shape, bool), key=key, radius=radius, wrap=True)
 

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 from jax import Array, lax
-from scipy.ndimage import distance_transform_edt
+from scipy.ndimage import distance_transform_edt, map_coordinates
 
 from jaxtex.core.compiling import SAME_EVERY_TIME
 
@@ -42,6 +42,8 @@ class ExemplarLevel:
         features: of all places, [row * col, component].
         similar: for each place itself and those that look most like it, as row * columns + column,
             [row * col, 1 + similar].
+        frames: what neighbourhoods are seen in, [row, col, 2, 2]: by how many pixels a step along a neighbourhood's
+            rows and one along its columns lead down and to the right; None where both are the picture's.
     """
 
     pixels: Floats
@@ -50,9 +52,18 @@ class ExemplarLevel:
     basis: Array
     features: Array
     similar: Array
+    frames: Floats | None = None
 
 
-def analyse_levels(pixels: Floats, usable: Bools, *, radius: int, coarsest: int) -> list[ExemplarLevel]:
+def analyse_levels(
+    pixels: Floats,
+    usable: Bools,
+    *,
+    radius: int,
+    coarsest: int,
+    similar: int = _SIMILAR,
+    frames: Floats | None = None,
+) -> list[ExemplarLevel]:
     """Look at an exemplar from fine to coarse.
 
     Args:
@@ -61,26 +72,29 @@ def analyse_levels(pixels: Floats, usable: Bools, *, radius: int, coarsest: int)
         radius: of neighbourhoods.
         coarsest: levels are added as long as the shorter side of the next has so many pixels, and some of them are
             valid.
+        similar: how many places that look alike are kept for each.
+        frames: what neighbourhoods are seen in (see `ExemplarLevel`); the picture's by default.
 
     Raises:
         ValueError: no neighbourhood is whole.
     """
     if usable.any():  # what is not known is as what is near, so that it does not tell which places look alike
         pixels = pixels[tuple(distance_transform_edt(~usable, return_distances=False, return_indices=True))]
-    pictures, masks = [pixels], [usable]
+    pictures, masks, turns = [pixels], [usable], [frames]
     while min(pictures[-1].shape[:2]) >= 2 * coarsest and _valid_places(halve_mask(masks[-1]), radius).any():
         pictures.append(halve(pictures[-1], masks[-1]))
         masks.append(halve_mask(masks[-1]))
+        turns.append(halve_frames(turns[-1]))
     levels: list[ExemplarLevel] = []
-    for picture, mask in zip(reversed(pictures), reversed(masks), strict=True):
-        valid = _valid_places(mask, radius)
+    for picture, mask, turn in zip(reversed(pictures), reversed(masks), reversed(turns), strict=True):
+        valid = _valid_places(mask, radius) & _reach_within(turn, radius, mask.shape)
         if not valid.any():
             raise ValueError(f"no neighbourhood of {2 * radius + 1} x {2 * radius + 1} pixels may be copied from")
-        basis, features = _project(picture, valid, radius)
-        similar = _find_similar(features, valid, levels[-1] if levels else None)
+        basis, features = _project(picture, valid, radius, turn)
+        alike = _find_similar(features, valid, levels[-1] if levels else None, similar)
         nearest = distance_transform_edt(~valid, return_distances=False, return_indices=True)
         nearest_valid = np.ravel_multi_index(tuple(nearest), valid.shape).ravel().astype(np.int32)
-        levels.append(ExemplarLevel(picture, valid, nearest_valid, basis, features, similar))
+        levels.append(ExemplarLevel(picture, valid, nearest_valid, basis, features, alike, turn))
     return levels[::-1]
 
 
@@ -100,6 +114,21 @@ def look_around(picture: Floats, radius: int, places: npt.NDArray[np.integer] | 
     rows, columns, channels = picture.shape
     row, column = np.divmod(np.arange(rows * columns) if places is None else places, columns)
     return np.moveaxis(windows[row, column], 1, -1).reshape(len(row), side * side, channels)
+
+
+def neighbourhood_taps(radius: int) -> Floats:
+    """The (row, col) steps from a neighbourhood's middle to its pixels, [tap, 2], in scanline order."""
+    return np.moveaxis(np.indices((2 * radius + 1, 2 * radius + 1)), 0, -1).reshape(-1, 2).astype(np.float32) - radius
+
+
+def _look_along(picture: Floats, radius: int, places: npt.NDArray[np.integer], frames: Floats) -> Floats:
+    """As `look_around`, but neighbourhoods are seen in frames: bilinear between pixels."""
+    place = np.stack(np.divmod(places, picture.shape[1]), axis=1)
+    at = place[:, None] + np.einsum("pij,tj->pti", frames.reshape(-1, 2, 2)[places], neighbourhood_taps(radius))
+    planes = [
+        map_coordinates(plane, np.moveaxis(at, -1, 0), order=1, mode="nearest") for plane in np.moveaxis(picture, -1, 0)
+    ]
+    return np.stack(planes, axis=-1)
 
 
 def choose_candidates(valid: Bools) -> npt.NDArray[np.intp]:
@@ -125,6 +154,23 @@ def halve_mask(mask: Bools) -> Bools:
     return whole[::2, ::2] & whole[1::2, ::2] & whole[::2, 1::2] & whole[1::2, 1::2]
 
 
+def halve_frames(frames: Floats | None) -> Floats | None:
+    """Frames at half the resolution: the same steps in pixels, each of them twice as large."""
+    if frames is None:
+        return None
+    flat = frames.reshape(*frames.shape[:2], 4)
+    return halve(flat, np.ones(flat.shape[:2], bool)).reshape(-1, -(-flat.shape[1] // 2), 2, 2)
+
+
+def _reach_within(frames: Floats | None, radius: int, shape: tuple[int, ...]) -> Bools | np.bool_:
+    """Where neighbourhoods seen in frames do not reach beyond the picture."""
+    if frames is None:
+        return np.True_
+    reach = np.abs(frames).sum(axis=-1) * radius
+    place = np.moveaxis(np.indices(shape), 0, -1)
+    return np.all((place >= reach) & (place <= np.array(shape) - 1 - reach), axis=-1)
+
+
 def _filter(picture: Floats) -> Floats:
     for axis in (0, 1):
         side = picture.shape[axis]
@@ -147,24 +193,25 @@ def _valid_places(usable: Bools, radius: int) -> Bools:
     return valid
 
 
-def _project(picture: Floats, valid: Bools, radius: int) -> tuple[Array, Array]:
+def _project(picture: Floats, valid: Bools, radius: int, frames: Floats | None) -> tuple[Array, Array]:
     """Principal components of the valid neighbourhoods, and those of all places."""
     weights = neighbourhood_weights(radius)[:, None]
     numbers = len(weights) * picture.shape[2]
 
     def parts(places: npt.NDArray[np.intp]) -> Iterator[Floats]:
         for part in np.array_split(places, -(-len(places) * numbers // _LARGE_BATCH)):
-            yield (look_around(picture, radius, part) * weights).reshape(len(part), numbers)
+            seen = look_around(picture, radius, part) if frames is None else _look_along(picture, radius, part, frames)
+            yield (seen * weights).reshape(len(part), numbers)
 
-    seen = np.flatnonzero(valid)
-    mean = (sum(part.sum(axis=0, dtype=np.float64) for part in parts(seen)) / len(seen)).astype(np.float32)
-    covariance = sum((part - mean).T.astype(np.float64) @ (part - mean).astype(np.float64) for part in parts(seen))
+    whole = np.flatnonzero(valid)
+    mean = (sum(part.sum(axis=0, dtype=np.float64) for part in parts(whole)) / len(whole)).astype(np.float32)
+    covariance = sum((part - mean).T.astype(np.float64) @ (part - mean).astype(np.float64) for part in parts(whole))
     basis = np.linalg.eigh(covariance)[1][:, ::-1][:, :_DIMENSIONS].astype(np.float32)
     features = np.concatenate([part @ basis for part in parts(np.arange(valid.size))])
     return jnp.asarray(basis), jnp.asarray(features)
 
 
-def _find_similar(features: Array, valid: Bools, coarser: ExemplarLevel | None) -> Array:
+def _find_similar(features: Array, valid: Bools, coarser: ExemplarLevel | None, count: int) -> Array:
     """Among all places at the coarsest level, if they are not very many; then among those that are below the similar
     ones of the coarser level, and their neighbours."""
     rows, columns = valid.shape
@@ -178,7 +225,7 @@ def _find_similar(features: Array, valid: Bools, coarser: ExemplarLevel | None) 
         steps = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)]
         places = [np.clip(down + y, 0, rows - 1) * columns + np.clip(right + x, 0, columns - 1) for y, x in steps]
         candidates = np.concatenate(places, axis=1)
-    return _keep_nearest(features, jnp.asarray(candidates, jnp.int32), jnp.asarray(valid), _SIMILAR)
+    return _keep_nearest(features, jnp.asarray(candidates, jnp.int32), jnp.asarray(valid), count)
 
 
 @partial(jax.jit, static_argnums=3, compiler_options=SAME_EVERY_TIME)
