@@ -120,8 +120,8 @@ if TYPE_CHECKING:
     from jaxtex.particles.composition import Composition as Composition
     from jaxtex.particles.composition import read_composition as read_composition
     from jaxtex.particles.composition import write_composition as write_composition
+    from jaxtex.particles.grounds import make_ground as make_ground
     from jaxtex.particles.painting import label_composition as label_composition
-    from jaxtex.particles.painting import make_ground as make_ground
     from jaxtex.particles.painting import paint_composition as paint_composition
     from jaxtex.particles.seeding import seed_composition as seed_composition
     from jaxtex.particles.segmentation import find_particles as find_particles
@@ -155,6 +155,7 @@ if TYPE_CHECKING:
     from jaxtex.synthesis.heeger_bergen import TextureStatistics as TextureStatistics
     from jaxtex.synthesis.heeger_bergen import analyse_texture as analyse_texture
     from jaxtex.synthesis.heeger_bergen import synthesise_texture as synthesise_texture
+    from jaxtex.synthesis.lapped import lap_patches as lap_patches
     from jaxtex.synthesis.nearest import find_similar as find_similar
     from jaxtex.synthesis.portilla_simoncelli import portilla_simoncelli_distance as portilla_simoncelli_distance
     from jaxtex.synthesis.quilting import quilting_steps as quilting_steps
@@ -267,6 +268,7 @@ _PUBLIC = {
     "relax_solid": "jaxtex.synthesis.solid_relaxation",
     "synthesise_quilting": "jaxtex.synthesis.quilting",
     "quilting_steps": "jaxtex.synthesis.quilting",
+    "lap_patches": "jaxtex.synthesis.lapped",
     "find_similar": "jaxtex.synthesis.nearest",
     "Step": "jaxtex.synthesis.sources",
     "blend_seams": "jaxtex.synthesis.sources",
@@ -283,7 +285,7 @@ _PUBLIC = {
     "Decomposition": "jaxtex.particles.things",
     "describe_particles": "jaxtex.particles.things",
     "label_composition": "jaxtex.particles.painting",
-    "make_ground": "jaxtex.particles.painting",
+    "make_ground": "jaxtex.particles.grounds",
     "paint_composition": "jaxtex.particles.painting",
     "Composition": "jaxtex.particles.composition",
     "read_composition": "jaxtex.particles.composition",
