@@ -122,7 +122,8 @@ if TYPE_CHECKING:
     from jaxtex.particles.composition import write_composition as write_composition
     from jaxtex.particles.files import read_particles as read_particles
     from jaxtex.particles.files import write_particles as write_particles
-    from jaxtex.particles.painting import make_ground as make_ground
+    from jaxtex.particles.grounds import make_ground as make_ground
+    from jaxtex.particles.painting import label_composition as label_composition
     from jaxtex.particles.painting import paint_composition as paint_composition
     from jaxtex.particles.picking import pick_particles as pick_particles
     from jaxtex.particles.scissors import Polygon as Polygon
@@ -162,6 +163,7 @@ if TYPE_CHECKING:
     from jaxtex.synthesis.heeger_bergen import TextureStatistics as TextureStatistics
     from jaxtex.synthesis.heeger_bergen import analyse_texture as analyse_texture
     from jaxtex.synthesis.heeger_bergen import synthesise_texture as synthesise_texture
+    from jaxtex.synthesis.lapped import lap_patches as lap_patches
     from jaxtex.synthesis.nearest import find_similar as find_similar
     from jaxtex.synthesis.portilla_simoncelli import portilla_simoncelli_distance as portilla_simoncelli_distance
     from jaxtex.synthesis.quilting import quilting_steps as quilting_steps
@@ -274,6 +276,7 @@ _PUBLIC = {
     "relax_solid": "jaxtex.synthesis.solid_relaxation",
     "synthesise_quilting": "jaxtex.synthesis.quilting",
     "quilting_steps": "jaxtex.synthesis.quilting",
+    "lap_patches": "jaxtex.synthesis.lapped",
     "find_similar": "jaxtex.synthesis.nearest",
     "Step": "jaxtex.synthesis.sources",
     "blend_seams": "jaxtex.synthesis.sources",
@@ -297,7 +300,8 @@ _PUBLIC = {
     "read_particles": "jaxtex.particles.files",
     "Decomposition": "jaxtex.particles.things",
     "describe_particles": "jaxtex.particles.things",
-    "make_ground": "jaxtex.particles.painting",
+    "label_composition": "jaxtex.particles.painting",
+    "make_ground": "jaxtex.particles.grounds",
     "paint_composition": "jaxtex.particles.painting",
     "Composition": "jaxtex.particles.composition",
     "read_composition": "jaxtex.particles.composition",

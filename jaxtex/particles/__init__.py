@@ -2,5 +2,6 @@
 
 J.-M. Dischler, K. Maritaud, B. Lévy and D. Ghazanfarpour, "Texture particles" (Eurographics 2002). The data's way:
 `segmentation` finds the things, `things` measures them, `arrangement` learns where each has its neighbours, `seeding`
-places new ones likewise, which makes a `composition` that can be edited, and `painting` draws it.
+places new ones likewise, which makes a `composition` that can be edited; `grounds` makes what they lie on, `sprites`
+cuts them out, and `painting` draws all.
 """
