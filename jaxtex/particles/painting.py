@@ -15,6 +15,7 @@ import numpy.typing as npt
 from jax import Array
 from scipy import ndimage
 
+from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
 from jaxtex.particles.composition import Composition
 from jaxtex.particles.sprites import Cut, find_places, transform_cut
 from jaxtex.particles.things import Box, Decomposition
@@ -84,7 +85,7 @@ def paint_composition(
 
     Args:
         composition: of the particles of `decomposition`.
-        pixels: the picture, floats [row, col, channel].
+        pixels: the picture, floats [row, col, channel], encoded as sRGB where particles' colours change.
         decomposition: the picture taken apart.
         ground: what particles are laid on, [row, col, channel], of the composition's size.
 
@@ -102,14 +103,20 @@ def paint_composition(
         )
     around = ndimage.find_objects(decomposition.labels)
     cut: dict[int, _Sprite] = {}
-    for number, x, y, angle, scale in zip(
-        composition.particles, composition.x, composition.y, composition.angles, composition.scales, strict=True
+    for number, x, y, angle, scale, gain in zip(
+        composition.particles,
+        composition.x,
+        composition.y,
+        composition.angles,
+        composition.scales,
+        composition.gains,
+        strict=True,
     ):
         sprite = cut.get(number)
         if sprite is None:
             mask = decomposition.labels == number + 1
             sprite = cut[number] = _cut_out(picture, mask, around[number], decomposition.particles[number].box)
-        _lay(drawn, _transform(sprite, angle, scale), x, y, composition.periodic)
+        _lay(drawn, _tint(_transform(sprite, angle, scale), gain), x, y, composition.periodic)
     return drawn
 
 
@@ -192,6 +199,15 @@ def _transform(sprite: _Sprite, angle: float, scale: float) -> _Sprite:
 
     colours = np.stack([sample(plane, "nearest") for plane in np.moveaxis(sprite.pixels, -1, 0)], axis=-1)
     return _Sprite(colours, sample(sprite.cover, "constant"), -low[1], -low[0])
+
+
+def _tint(sprite: _Sprite, gain: npt.NDArray[np.float64]) -> _Sprite:
+    """The sprite with its light multiplied; in pictures that are not of three channels, by the mean factor."""
+    if (gain == 1).all():
+        return sprite
+    factors = gain if sprite.pixels.shape[2] == 3 else gain.mean(keepdims=True)
+    linear = srgb_to_linear(sprite.pixels) * factors.astype(np.float32)
+    return sprite._replace(pixels=linear_to_srgb(linear))
 
 
 def _lay(drawn: Pixels, sprite: _Sprite, x: float, y: float, periodic: bool) -> None:
