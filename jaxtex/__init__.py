@@ -120,6 +120,11 @@ if TYPE_CHECKING:
     from jaxtex.particles.composition import Composition as Composition
     from jaxtex.particles.composition import read_composition as read_composition
     from jaxtex.particles.composition import write_composition as write_composition
+    from jaxtex.particles.control_files import read_controls as read_controls
+    from jaxtex.particles.controls import Control as Control
+    from jaxtex.particles.fields import linear_field as linear_field
+    from jaxtex.particles.fields import map_field as map_field
+    from jaxtex.particles.fields import radial_field as radial_field
     from jaxtex.particles.files import read_particles as read_particles
     from jaxtex.particles.files import write_particles as write_particles
     from jaxtex.particles.grounds import make_ground as make_ground
@@ -289,6 +294,11 @@ _PUBLIC = {
     # things of a picture -> a composition of them
     "learn_arrangement": "jaxtex.particles.arrangement",
     "seed_composition": "jaxtex.particles.seeding",
+    "Control": "jaxtex.particles.controls",
+    "read_controls": "jaxtex.particles.control_files",
+    "linear_field": "jaxtex.particles.fields",
+    "map_field": "jaxtex.particles.fields",
+    "radial_field": "jaxtex.particles.fields",
     "find_particles": "jaxtex.particles.segmentation",
     "pick_particles": "jaxtex.particles.picking",
     "Polygon": "jaxtex.particles.scissors",
