@@ -45,6 +45,17 @@ def test_sprites_hold_no_other_thing(number: int) -> None:
     np.testing.assert_array_equal(sprite.pixels, PICTURE[there])
 
 
+def test_things_that_touch_are_cut_where_they_touch() -> None:
+    """Half of what is beneath shows through their last pixels."""
+    labels = np.where((ROW > 20) & (ROW < 50) & (COLUMN > 20) & (COLUMN < 80), 1 + (COLUMN >= 50), 0)
+    pair = describe_particles(labels, [0, 0])
+    sprite = SpriteSheet(PICTURE, PICTURE, pair)[0]
+    across = sprite.cover[int(sprite.y)]
+    last = np.nonzero(across)[0][-1]
+    assert sprite.x + 14.5 == last + 1  # the particle's own last column
+    np.testing.assert_array_equal(across[last - 3 : last + 2], [1, 1, 1, 0.5, 0])
+
+
 @pytest.mark.parametrize("number", range(5))
 def test_halos_are_whole_where_nothing_else_is_as_near_and_end_before_it(number: int) -> None:
     sprite, there = lie_where_they_were(number)
