@@ -63,8 +63,8 @@ def make_ground(
             coherence from a half, a heap below 3 in 10 if the ground is darker than things, otherwise patches.
 
     Raises:
-        ValueError: a picture of another size than the decomposition's, all of whose pixels are things', or none of
-            whose places is clear enough of them for coherence or noise; no such fill.
+        ValueError: a picture of another size than the decomposition's, one of fewer than 7 x 7 pixels for all fills but
+            patches, or one all of whose pixels are things'; no such fill.
 
     Examples:
         >>> from jaxtex.particles.things import describe_particles

@@ -126,3 +126,14 @@ def test_places_are_those_of_a_loop(periodic: bool) -> None:
             if periodic or (0 <= down < 8 and 0 <= right < 7):
                 expected[down % 8, right % 7] = cut.planes[row, column, 0]
         np.testing.assert_array_equal(drawn, expected)
+
+
+def test_what_is_wider_than_a_plane_that_repeats_is_seen_around_its_centre() -> None:
+    """No pixel of the plane is named twice."""
+    cut = Cut(np.arange(20.0 * 4, dtype=np.float32).reshape(20, 4, 1), 2.0, 14.0)
+    part, (row, column) = find_places(cut, 3.0, 2.0, (7, 8), True)
+    assert part == (slice(10, 18), slice(0, 4))
+    assert sorted(row.ravel()) == list(range(8))
+    drawn = np.zeros((8, 7))
+    drawn[row, column] = cut.planes[part][..., 0]
+    assert drawn[2, 3] == cut.planes[14, 2, 0]
