@@ -63,8 +63,8 @@ def make_ground(
             coherence from a half, a heap below 3 in 10 if the ground is darker than things, otherwise patches.
 
     Raises:
-        ValueError: a picture of another size than the decomposition's, all of whose pixels are things', or none of
-            whose places is clear enough of them for coherence or noise; no such fill.
+        ValueError: a picture of another size than the decomposition's, one of fewer than 7 x 7 pixels for all fills but
+            patches, or one all of whose pixels are things'; no such fill.
 
     Examples:
         >>> from jaxtex.particles.things import describe_particles
@@ -131,7 +131,7 @@ def check_against(pixels: npt.ArrayLike, decomposition: Decomposition) -> Floats
 
 def even_ground(picture: Floats, decomposition: Decomposition) -> Floats:
     """The picture under the light that falls on its ground on average: what the ground's colours slowly change by is
-    taken away, so that pieces from anywhere meet."""
+    taken away, so that pieces from anywhere meet. Colours stay in the picture's range."""
     ground = (decomposition.labels == 0).astype(np.float32)[..., None]
     side = max(1, round(_SLOW * max(picture.shape[:2])))
 
@@ -143,7 +143,8 @@ def even_ground(picture: Floats, decomposition: Decomposition) -> Floats:
     share = blur(ground)
     slow = blur(ground * picture) / np.maximum(share, 1e-6)
     mean = (ground * picture).sum(axis=(0, 1)) / max(float(ground.sum()), 1.0)
-    return np.asarray(picture + np.where(share > 1e-3, mean - slow, 0), np.float32)
+    evened = picture + np.where(share > 1e-3, mean - slow, 0)
+    return np.asarray(np.clip(evened, picture.min(), picture.max()), np.float32)
 
 
 def _whole(usable: Mask) -> Mask:

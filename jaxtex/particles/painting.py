@@ -24,16 +24,23 @@ Floats = npt.NDArray[np.float32]
 
 
 def paint_composition(
-    composition: Composition, pixels: npt.ArrayLike, decomposition: Decomposition, ground: npt.ArrayLike
+    composition: Composition,
+    pixels: npt.ArrayLike,
+    decomposition: Decomposition,
+    ground: npt.ArrayLike,
+    *,
+    halos: bool = True,
 ) -> Floats:
     """Draw a composition.
 
     Args:
         composition: of the particles of `decomposition`.
-        pixels: the picture, floats [row, col, channel], encoded as sRGB where particles' colours change.
+        pixels: the picture, floats [row, col, channel], encoded as sRGB if particles' colours change.
         decomposition: the picture taken apart.
         ground: what is seen where neither particles nor what surrounds them are, [row, col, channel], of the
             composition's size.
+        halos: whether what surrounds particles in the picture is drawn with them; not, if the ground is no part of that
+            picture, as when leaves are laid on a wall.
 
     Returns:
         Colours as `pixels` has them, [row, col, channel].
@@ -57,23 +64,23 @@ def paint_composition(
         colours = np.concatenate([sprite.pixels[part], np.ones((*cover.shape, 1), np.float32)], axis=2)
         # The eighth power: at 8 pixels, what is a pixel further away counts 0.4 times.
         nearness = np.square(np.square(np.square(1 / (1 + away))))
-        around[places] += (halo * nearness)[..., None] * colours
-        bare[places] *= 1 - halo
-        things[places] += cover[..., None] * (_tint(colours, gain) - things[places])
+        if halos:
+            around[places] += (halo * nearness)[..., None] * colours
+            bare[places] *= 1 - halo
+        colours[..., :-1] = _tint(colours[..., :-1], gain)  # of the thing, and not of what surrounds it
+        things[places] += cover[..., None] * (colours - things[places])
     weights = around[..., channels:]
     around = np.where(weights > 0, around[..., :channels] / np.where(weights > 0, weights, 1), beneath)
     beneath = around + bare[..., None] * (beneath - around)
     return things[..., :channels] + (1 - things[..., channels:]) * beneath
 
 
-def _tint(colours: Floats, gain: npt.NDArray[np.float64]) -> Floats:
-    """Colours, but for the last plane, with their light multiplied; where they are not of three channels, by the mean
-    factor."""
+def _tint(pixels: Floats, gain: npt.NDArray[np.float64]) -> Floats:
+    """Encoded colours, their light multiplied; in pictures that are not of three channels by the mean factor."""
     if (gain == 1).all():
-        return colours
-    factors = gain if colours.shape[2] == 4 else gain.mean(keepdims=True)
-    tinted = linear_to_srgb(srgb_to_linear(colours[..., :-1]) * factors.astype(np.float32))
-    return np.concatenate([tinted, colours[..., -1:]], axis=2)
+        return pixels
+    factors = gain if pixels.shape[2] == 3 else gain.mean(keepdims=True)
+    return linear_to_srgb(srgb_to_linear(pixels) * factors.astype(np.float32))
 
 
 def label_composition(composition: Composition, decomposition: Decomposition) -> npt.NDArray[np.int32]:

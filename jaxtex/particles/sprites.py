@@ -200,23 +200,27 @@ def find_places(cut: Cut | Sprite, x: float, y: float, size: tuple[int, int], pe
         periodic: whether what leaves it at one side comes in at the other; otherwise it is cut off.
 
     Returns:
-        The part of the piece that is on the plane, and what indexes the plane's pixels that are that part's.
+        The part of the piece that is on the plane, and what indexes the plane's pixels that are that part's. Of what is
+        wider than a plane that repeats, that is as much as there is room for, around the centre.
     """
-    height, width = cut[0].shape[:2]
-    rows, row = _find_span(round(y - cut.y), height, size[1], periodic)
-    columns, column = _find_span(round(x - cut.x), width, size[0], periodic)
+    rows, row = _find_span(y, cut.y, cut[0].shape[0], size[1], periodic)
+    columns, column = _find_span(x, cut.x, cut[0].shape[1], size[0], periodic)
     if isinstance(row, slice) and isinstance(column, slice):
         return (rows, columns), (row, column)
-    row, column = (np.r_[each] if isinstance(each, slice) else each for each in (row, column))
-    return (rows, columns), np.ix_(row, column)
+    return (rows, columns), np.ix_(*(np.r_[each] for each in (row, column)))
 
 
-def _find_span(start: int, length: int, side: int, periodic: bool) -> tuple[slice, slice | npt.NDArray[np.integer]]:
+def _find_span(
+    at: float, centre: float, length: int, side: int, periodic: bool
+) -> tuple[slice, slice | npt.NDArray[np.integer]]:
     """Along one axis; slices where they do, as these are quick."""
+    start = round(at - centre)
     if not periodic:
         part = slice(min(length, max(0, -start)), max(0, min(length, side - start)))
         return part, slice(start + part.start, start + max(part.start, part.stop))
-    start %= side
+    first = min(max(0, round(centre - 0.5 * side)), max(0, length - side))
+    length, start = min(length, side), (start + first) % side
+    part = slice(first, first + length)
     if start + length <= side:
-        return slice(0, length), slice(start, start + length)
-    return slice(0, length), np.arange(start, start + length) % side
+        return part, slice(start, start + length)
+    return part, np.arange(start, start + length) % side

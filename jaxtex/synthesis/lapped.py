@@ -28,6 +28,7 @@ _ROUGH = 0.35  # how much the outline's radius varies at the longest wave, of th
 _RANGE = 0.4, 1.6  # of the radius: the least and the most that an outline keeps from the middle
 _COVERED = 0.5  # of a pixel: what is covered less gets a patch of its own
 _DRAWN = 5  # places for each patch
+_STRIDE = 2  # pixels between those that patches are compared at
 _ROUND = 64  # patches between two looks at what is not covered yet
 
 Floats = npt.NDArray[np.float32]
@@ -123,20 +124,36 @@ def _lay_patch(
     edge = edge[np.ix_(*(step + len(edge) // 2 for step in steps))]
     there = np.ix_(*((at + step) % side for at, step, side in zip(place, steps, covered.shape, strict=True)))
     beneath, known = drawn[there], covered[there]
-    best, least = None, np.inf
-    for middle in source.middles[rng.integers(len(source.middles), size=_DRAWN if known.any() else 1)]:
-        row, column = (centre + step for centre, step in zip(middle, steps, strict=True))
-        outside = ((row < 0) | (row >= len(source.inside)))[:, None] | (column < 0) | (column >= source.inside.shape[1])
-        at = np.ix_(row % len(source.inside), column % source.inside.shape[1])
-        fade = np.clip(np.minimum(edge, np.where(outside, 0, source.inside[at])) / source.feather, 0, 1)
-        cover, colours = fade * fade * (3 - 2 * fade), source.pixels[at]
-        weight = cover * known
-        apart = np.square(known[..., None] * colours - beneath).sum(axis=2)
-        # Larger patches are preferred: fewer edges.
-        misfit = float((weight * apart).sum() / max(float(weight.sum()), 1e-6) / cover.sum())
-        if best is None or misfit < least:
-            best, least = (cover, colours), misfit
-    assert best is not None
-    cover, colours = best
+    drawn_middles = source.middles[rng.integers(len(source.middles), size=_DRAWN if known.any() else 1)]
+    thin = slice(None, None, _STRIDE)
+    misfits = [
+        _misfit(
+            *_cut_patch(source, middle, [step[thin] for step in steps], edge[thin, thin]),
+            beneath[thin, thin],
+            known[thin, thin],
+        )
+        for middle in drawn_middles
+    ]
+    cover, colours = _cut_patch(source, drawn_middles[np.argmin(misfits)], steps, edge)
     drawn[there] += cover[..., None] * (colours - beneath)
     covered[there] += cover * (1 - known)
+
+
+def _cut_patch(
+    source: _Exemplar, middle: npt.NDArray[np.intp], steps: list[npt.NDArray[np.intp]], edge: Floats
+) -> tuple[Floats, Floats]:
+    """How much a patch covers, and its colours, at some steps from its middle."""
+    sides = source.inside.shape
+    row, column = (centre + step for centre, step in zip(middle, steps, strict=True))
+    beyond = [(place < 0) | (place >= side) for place, side in zip((row, column), sides, strict=True)]
+    at = np.ix_(row % sides[0], column % sides[1])
+    inside = np.where(beyond[0][:, None] | beyond[1], np.float32(0), source.inside[at])
+    fade = np.asarray(np.clip(np.minimum(edge, inside) / source.feather, 0, 1), np.float32)
+    return fade * fade * (3 - 2 * fade), source.pixels[at]
+
+
+def _misfit(cover: Floats, colours: Floats, beneath: Floats, known: Floats) -> float:
+    """How much a patch differs from what it is laid on. Larger ones are preferred: they make fewer edges."""
+    apart = np.square(known[..., None] * colours - beneath).sum(axis=2)
+    weight = cover * known
+    return float((weight * apart).sum() / max(float(weight.sum()), 1e-6) / max(float(cover.sum()), 1e-6))

@@ -45,6 +45,17 @@ def test_sprites_hold_no_other_thing(number: int) -> None:
     np.testing.assert_array_equal(sprite.pixels, PICTURE[there])
 
 
+def test_things_that_touch_are_cut_where_they_touch() -> None:
+    """Half of what is beneath shows through their last pixels."""
+    labels = np.where((ROW > 20) & (ROW < 50) & (COLUMN > 20) & (COLUMN < 80), 1 + (COLUMN >= 50), 0)
+    pair = describe_particles(labels, [0, 0])
+    sprite = SpriteSheet(PICTURE, PICTURE, pair)[0]
+    across = sprite.cover[int(sprite.y)]
+    last = np.nonzero(across)[0][-1]
+    assert sprite.x + 14.5 == last + 1  # the particle's own last column
+    np.testing.assert_array_equal(across[last - 3 : last + 2], [1, 1, 1, 0.5, 0])
+
+
 @pytest.mark.parametrize("number", range(5))
 def test_halos_are_whole_where_nothing_else_is_as_near_and_end_before_it(number: int) -> None:
     sprite, there = lie_where_they_were(number)
@@ -115,3 +126,14 @@ def test_places_are_those_of_a_loop(periodic: bool) -> None:
             if periodic or (0 <= down < 8 and 0 <= right < 7):
                 expected[down % 8, right % 7] = cut.planes[row, column, 0]
         np.testing.assert_array_equal(drawn, expected)
+
+
+def test_what_is_wider_than_a_plane_that_repeats_is_seen_around_its_centre() -> None:
+    """No pixel of the plane is named twice."""
+    cut = Cut(np.arange(20.0 * 4, dtype=np.float32).reshape(20, 4, 1), 2.0, 14.0)
+    part, (row, column) = find_places(cut, 3.0, 2.0, (7, 8), True)
+    assert part == (slice(10, 18), slice(0, 4))
+    assert sorted(row.ravel()) == list(range(8))
+    drawn = np.zeros((8, 7))
+    drawn[row, column] = cut.planes[part][..., 0]
+    assert drawn[2, 3] == cut.planes[14, 2, 0]
