@@ -62,10 +62,10 @@ def paint_composition(
         part, places = find_places(sprite, x, y, size, composition.periodic)
         cover, halo, away = (each[part] for each in (sprite.cover, sprite.halo, sprite.away))
         colours = np.concatenate([sprite.pixels[part], np.ones((*cover.shape, 1), np.float32)], axis=2)
-        # The eighth power: at 8 pixels, what is a pixel further away counts 0.4 times.
-        nearness = np.square(np.square(np.square(1 / (1 + away))))
         if halos:
-            around[places] += (halo * nearness)[..., None] * colours
+            # The eighth power: at 8 pixels, what is a pixel further away, or a tenth weaker, counts 0.4 times.
+            weight = np.square(np.square(np.square(halo / (1 + away))))
+            around[places] += weight[..., None] * colours
             bare[places] *= 1 - halo
         colours[..., :-1] = _tint(colours[..., :-1], gain)  # of the thing, and not of what surrounds it
         things[places] += cover[..., None] * (colours - things[places])

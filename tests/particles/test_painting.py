@@ -168,6 +168,17 @@ def test_halos_end_without_a_seam() -> None:
     assert steps.max() < 0.06
 
 
+def test_turned_and_scaled_particles_have_no_specks() -> None:
+    """Where halos have all but ended, they bring no colours that neither the picture nor the ground has."""
+    bright, rng = 0.5 + 0.5 * SCENE, np.random.default_rng(2)
+    many = place([0, 1, 2, 3, 4] * 60, rng.uniform(0, 600, 300), rng.uniform(0, 500, 300), periodic=True)
+    turns, scales = rng.uniform(-3, 3, 300), rng.uniform(0.5, 1.5, 300)
+    many = dataclasses.replace(many, width=600, height=500, angles=turns, scales=scales)
+    drawn = paint_composition(many, bright, DISCS, np.full((500, 600, 3), 0.75))
+    assert drawn.min() > bright.min() - 1e-3
+    assert drawn.max() < bright.max() + 1e-3
+
+
 def test_compositions_that_repeat_are_drawn_alike_wherever_they_begin() -> None:
     x, y, turns = np.array([10.0, 60.0, 100.0]), np.array([5.0, 45.0, 80.0]), (37, -52)
     ground = np.random.default_rng(1).random((90, 120, 3)).astype(np.float32)
