@@ -46,6 +46,7 @@ def make_ground(
     *,
     key: Array,
     fill: Fill | None = None,
+    scale: float = 1.0,
 ) -> Floats:
     """The ground that things lie on, of any size; it repeats without a seam.
 
@@ -60,11 +61,13 @@ def make_ground(
         fill: "coherence", k-coherent search, which keeps what the ground has in it; "patches", lapped ones; "noise",
             for grounds of fine grain; "heap", more things further down: the picture anew, in the ground's mean colour.
             Unless said, it is as of how many of the ground's pixels the surroundings (7 x 7) are clear of things:
-            coherence from a half, a heap below 3 in 10 if the ground is darker than things, otherwise patches.
+            coherence from a half, a heap below 3 in 10 if the ground is darker than things, otherwise patches. Where
+            things leave no ground at all, it is always a heap.
+        scale: how many times as large as in the picture its grain is, for compositions that are drawn larger.
 
     Raises:
-        ValueError: a picture of another size than the decomposition's, one of fewer than 7 x 7 pixels for all fills but
-            patches, or one all of whose pixels are things'; no such fill.
+        ValueError: a picture of another size than the decomposition's, or one of fewer than 7 x 7 pixels for all fills
+            but patches; no such fill, a scale that is not above 0.
 
     Examples:
         >>> from jaxtex.particles.things import describe_particles
@@ -78,10 +81,18 @@ def make_ground(
     picture = check_against(pixels, decomposition)
     if fill is not None and fill not in get_args(Fill):
         raise ValueError(f"fill: {fill!r} is none; give one of {', '.join(get_args(Fill))}")
+    if not (np.isfinite(scale) and scale > 0):
+        raise ValueError(f"scale is {scale}; give a number above 0")
+    rows, columns = (max(1, round(side / scale)) for side in (size[1], size[0]))
+    return _magnify(_lay(picture, decomposition, fill, (rows, columns), key), (size[1], size[0]))
+
+
+def _lay(
+    picture: Floats, decomposition: Decomposition, fill: Fill | None, shape: tuple[int, int], key: Array
+) -> Floats:
     ground = decomposition.labels == 0
     if not ground.any():
-        raise ValueError("labels: no pixel is ground; leave some 0")
-    shape = size[1], size[0]
+        return _heap_up(picture, ~ground, shape, key)
     away = ndimage.distance_transform_edt(ground).astype(np.float32)
     fill = choose_fill(picture, decomposition) if fill is None else fill
     if fill == "heap":
@@ -96,6 +107,21 @@ def make_ground(
         statistics = analyse_texture(exemplar[None], scales=scales, periodic=True)
         return np.asarray(synthesise_texture(statistics, shape, key=key), np.float32)
     return _search(picture, usable, shape, key)
+
+
+def _magnify(ground: Floats, shape: tuple[int, int]) -> Floats:
+    """The ground at another resolution; it still repeats."""
+    if ground.shape[:2] == shape:
+        return ground
+    ratio = [old / new for old, new in zip(ground.shape, shape, strict=False)]
+    blurred = ndimage.gaussian_filter(ground, [max(0.0, 0.5 * (each - 1)) for each in (*ratio, 1.0)], mode="wrap")
+    places = np.meshgrid(
+        *((np.arange(new) + 0.5) * each - 0.5 for new, each in zip(shape, ratio, strict=True)), indexing="ij"
+    )
+    planes = [
+        ndimage.map_coordinates(plane, places, order=1, mode="grid-wrap") for plane in np.moveaxis(blurred, -1, 0)
+    ]
+    return np.stack(planes, axis=-1)
 
 
 def choose_fill(picture: Floats, decomposition: Decomposition) -> Fill:

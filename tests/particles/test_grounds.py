@@ -81,5 +81,21 @@ def test_wrong_requests_are_told() -> None:
         make_ground(PICTURE, THINGS, (20, 20), key=KEY, fill="sand")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="picture of shape"):
         make_ground(PICTURE[1:], THINGS, (20, 20), key=KEY)
-    with pytest.raises(ValueError, match="no pixel is ground"):
-        make_ground(PICTURE, describe_particles(np.ones((72, 96), int), [0]), (20, 20), key=KEY)
+    with pytest.raises(ValueError, match="scale is 0"):
+        make_ground(PICTURE, THINGS, (20, 20), key=KEY, scale=0.0)
+
+
+def test_a_picture_without_ground_is_made_anew_as_a_heap() -> None:
+    mosaic = describe_particles(1 + np.indices((72, 96))[1] // 48, [0, 0])
+    made = make_ground(PICTURE, mosaic, (50, 40), key=KEY)
+    assert made.shape == (40, 50, PICTURE.shape[2])
+    assert made.mean() == pytest.approx(PICTURE.mean(), rel=0.2)
+
+
+def test_grain_is_as_many_times_larger_as_is_said() -> None:
+    plain, large = (make_ground(PICTURE, THINGS, size, key=KEY, scale=s) for size, s in (((60, 45), 1), ((120, 90), 2)))
+    for axis in (0, 1):  # linear interpolation, then the mean of two pixels
+        plain = ndimage.convolve1d(plain, [0.125, 0.75, 0.125], axis=axis, mode="wrap")
+    np.testing.assert_allclose(large.reshape(45, 2, 60, 2, -1).mean(axis=(1, 3)), plain, atol=1e-5)
+    steps = np.abs(np.diff(np.concatenate([large, large[:1]]), axis=0)).mean(axis=(1, 2))
+    assert steps[-1] < 2 * np.median(steps)
