@@ -36,6 +36,11 @@ class Listed(NamedTuple):
     Attributes:
         members: its complete particles, numbers from 0 in the decomposition.
         lists: of co-occurrences, one for each complete particle that has neighbours.
+        owners: whose list each is, as an index in `members`.
+        neighbours: to each entry of each list the particle that it was seen of, as an index in `members`; -1 where that
+            is none of them, since it is cut off or mirrored.
+        coherent: whether a particle is best surrounded by those that were around it in the picture: where things nearly
+            touch, which of them fit together is no matter of chance.
         turned: whether each particle's frame is turned as its own box is.
         angle: by which all frames are turned otherwise, radians.
         clearance: pixels between the boxes of neighbours, of most at least; 0 where boxes overlap.
@@ -46,6 +51,9 @@ class Listed(NamedTuple):
 
     members: tuple[int, ...]
     lists: tuple[tuple[Cooccurrence, ...], ...]
+    owners: tuple[int, ...]
+    neighbours: tuple[tuple[int, ...], ...]
+    coherent: bool
     turned: bool
     angle: float
     clearance: float

@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from math import cos, hypot, remainder, sin, tau
 from random import Random
 from typing import NamedTuple, Protocol
@@ -12,6 +13,9 @@ from jaxtex.particles.plane import Grid, Plane
 from jaxtex.particles.terrain import EVEN, Local, Terrain
 
 _STALE = 0.01  # of all placed: if fewer than that are new in a round, it is the last
+_PATIENCE = 30  # more rounds of that kind, where there are hardly any particles: some lists may lead nowhere
+_HARDLY_ANY = 0.1  # of as many as there are in the picture
+
 _TRIES = 12  # places that are tried around each particle of a class whose arrangement is not known
 _BEYOND = 1 + 1e-6  # times the least distance: how far a neighbour goes, so that rounding does not matter
 _TINY = 1e-6  # pixels
@@ -58,8 +62,16 @@ class Placed(NamedTuple):
     room: float
 
 
-_Way = Callable[[Form], tuple[float, float]]
-"""From a particle to a neighbour of a form, along x and y, in the picture's pixels."""
+class Way(NamedTuple):
+    """From a particle to a neighbour.
+
+    Attributes:
+        follow: to one of a form, along x and y, in the picture's pixels.
+        which: the neighbour's index in the class; -1 is any.
+    """
+
+    follow: Callable[[Form], tuple[float, float]]
+    which: int = -1
 
 
 class Ground(Protocol):
@@ -68,8 +80,8 @@ class Ground(Protocol):
     def stand(self, x: float, y: float) -> Placed:
         """A particle of chance at a place."""
 
-    def step(self, parent: Placed, way: _Way) -> Placed:
-        """A particle of chance at the end of a way from another."""
+    def step(self, parent: Placed, way: Way) -> Placed:
+        """A particle at the end of a way from another: the one that the way leads to, or one of chance."""
 
 
 class EvenGround:
@@ -91,9 +103,9 @@ class EvenGround:
     def stand(self, x: float, y: float) -> Placed:
         return self._place(self._things[pick(self._rng, len(self._things))], x, y)
 
-    def step(self, parent: Placed, way: _Way) -> Placed:
-        thing = self._things[pick(self._rng, len(self._things))]
-        dx, dy = way(thing.form)
+    def step(self, parent: Placed, way: Way) -> Placed:
+        thing = self._things[pick(self._rng, len(self._things)) if way.which < 0 else way.which]
+        dx, dy = way.follow(thing.form)
         return self._place(thing, *self._wrap(parent.x + dx, parent.y + dy))
 
     def _place(self, thing: Thing, x: float, y: float) -> Placed:
@@ -122,17 +134,18 @@ class UnevenGround:
         self._forms, self._clearance, self._room = forms, clearance, 0.5 * apart
 
     def stand(self, x: float, y: float) -> Placed:
-        return self._place(self._choose(self._terrain.at(x, y)), x, y)
+        return self._place(self._choose(self._terrain.at(x, y), -1), x, y)
 
-    def step(self, parent: Placed, way: _Way) -> Placed:
+    def step(self, parent: Placed, way: Way) -> Placed:
         # Whoever is chosen, it will be about where one like the parent would be.
-        there = self._terrain.at(*_follow(parent, parent.local, *way(parent.thing.form)))
-        thing = self._choose(there)
-        return self._place(thing, *self._wrap(*_follow(parent, there, *way(thing.form))))
+        there = self._terrain.at(*_follow(parent, parent.local, *way.follow(parent.thing.form)))
+        thing = self._choose(there, way.which)
+        return self._place(thing, *self._wrap(*_follow(parent, there, *way.follow(thing.form))))
 
-    def _choose(self, local: Local) -> Thing:
+    def _choose(self, local: Local, which: int) -> Thing:
         cumulative, rng = self._terrain.chances(local.regions), self._rng
-        (which,) = rng.choices(range(len(self._forms)), cum_weights=cumulative)
+        if which < 0 or local.regions:  # weights may speak against the one that was there
+            (which,) = rng.choices(range(len(self._forms)), cum_weights=cumulative)
         form = self._forms[which]
         if local.size_variation == 0 and local.orientation_variation == 0:
             return make_thing(which, form, self._clearance, self._room)
@@ -188,6 +201,7 @@ def sow_class(
     ways = _listed_ways(rule, forms, rng) if isinstance(rule, Listed) else _scattered_ways(rule, rng)
     found = [ground.stand(*germ)]
     grid.add(*germ, found[0])
+    idle = 0
     while True:
         before, queue = len(found), deque(found)
         while queue:
@@ -199,7 +213,9 @@ def sow_class(
                     grid.add(child.x, child.y, child)
                     found.append(child)
                     queue.append(child)
-        if len(found) - before <= _STALE * len(found) or count_inside(plane, found) >= enough:
+        there = count_inside(plane, found)
+        idle = idle + 1 if len(found) - before <= _STALE * len(found) else 0
+        if there >= enough or idle > (_PATIENCE if there < _HARDLY_ANY * enough else 0):
             return found
 
 
@@ -227,27 +243,33 @@ def _is_taken(sowing: Sowing, child: Placed) -> bool:
     return False
 
 
-def _listed_ways(rule: Listed, forms: Sequence[Form], rng: Random) -> Callable[[Placed], Iterator[_Way]]:
-    """Around a particle, the places that a list of its class has for neighbours."""
+def _listed_ways(rule: Listed, forms: Sequence[Form], rng: Random) -> Callable[[Placed], Iterator[Way]]:
+    """Around a particle, the places that a list of its class has for neighbours: its own list, if it comes with those
+    that were around it in the picture, or any."""
     common = (cos(rule.angle), sin(rule.angle))
+    own_list = {owner: number for number, owner in enumerate(rule.owners)} if rule.coherent else {}
 
-    def ways(parent: Placed) -> Iterator[_Way]:
-        own = parent.thing.form
-        frame = (forms[parent.thing.which].cosine, forms[parent.thing.which].sine) if rule.turned else common
-        for entry in rule.lists[pick(rng, len(rule.lists))]:
-            yield lambda form, entry=entry: place_neighbour(entry, own, form, *frame)  # type: ignore[misc]
+    def ways(parent: Placed) -> Iterator[Way]:
+        own, which = parent.thing.form, parent.thing.which
+        frame = (forms[which].cosine, forms[which].sine) if rule.turned else common
+        number = own_list.get(which, -1)
+        others: Sequence[int] | None = rule.neighbours[number] if number >= 0 else None
+        entries = rule.lists[number if number >= 0 else pick(rng, len(rule.lists))]
+        for index, entry in enumerate(entries):
+            follow = partial(place_neighbour, entry, own, cosine=frame[0], sine=frame[1])
+            yield Way(follow, -1 if others is None else others[index])
 
     return ways
 
 
-def _scattered_ways(rule: Scattered, rng: Random) -> Callable[[Placed], Iterator[_Way]]:
+def _scattered_ways(rule: Scattered, rng: Random) -> Callable[[Placed], Iterator[Way]]:
     """Around a particle, places in any direction, as far away as one of the picture's distances."""
 
-    def ways(parent: Placed) -> Iterator[_Way]:
+    def ways(parent: Placed) -> Iterator[Way]:
         for _ in range(_TRIES):
             angle, distance = tau * rng.random(), rule.distances[pick(rng, len(rule.distances))]
             way = (distance * cos(angle), distance * sin(angle))
-            yield lambda form, way=way: way  # type: ignore[misc]
+            yield Way(lambda form, way=way: way)  # type: ignore[misc]
 
     return ways
 
