@@ -120,6 +120,11 @@ if TYPE_CHECKING:
     from jaxtex.particles.composition import Composition as Composition
     from jaxtex.particles.composition import read_composition as read_composition
     from jaxtex.particles.composition import write_composition as write_composition
+    from jaxtex.particles.control_files import read_controls as read_controls
+    from jaxtex.particles.controls import Control as Control
+    from jaxtex.particles.fields import linear_field as linear_field
+    from jaxtex.particles.fields import map_field as map_field
+    from jaxtex.particles.fields import radial_field as radial_field
     from jaxtex.particles.grounds import make_ground as make_ground
     from jaxtex.particles.painting import label_composition as label_composition
     from jaxtex.particles.painting import paint_composition as paint_composition
@@ -281,6 +286,11 @@ _PUBLIC = {
     # things of a picture -> a composition of them
     "learn_arrangement": "jaxtex.particles.arrangement",
     "seed_composition": "jaxtex.particles.seeding",
+    "Control": "jaxtex.particles.controls",
+    "read_controls": "jaxtex.particles.control_files",
+    "linear_field": "jaxtex.particles.fields",
+    "map_field": "jaxtex.particles.fields",
+    "radial_field": "jaxtex.particles.fields",
     "find_particles": "jaxtex.particles.segmentation",
     "Decomposition": "jaxtex.particles.things",
     "describe_particles": "jaxtex.particles.things",

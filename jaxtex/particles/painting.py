@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
+from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
 from jaxtex.particles.composition import Composition
 from jaxtex.particles.grounds import check_against, even_ground
 from jaxtex.particles.sprites import Cut, SpriteSheet, find_places, transform_cut, transform_sprite
@@ -29,7 +30,7 @@ def paint_composition(
 
     Args:
         composition: of the particles of `decomposition`.
-        pixels: the picture, floats [row, col, channel].
+        pixels: the picture, floats [row, col, channel], encoded as sRGB if particles' colours change.
         decomposition: the picture taken apart.
         ground: what is seen where neither particles nor what surrounds them are, [row, col, channel], of the
             composition's size.
@@ -49,7 +50,7 @@ def paint_composition(
     # The last plane is how much is covered by particles, and the weight of all halos.
     things, around = (np.zeros((*size[::-1], channels + 1), np.float32) for _ in range(2))
     bare = np.ones(size[::-1], np.float32)
-    for number, x, y, angle, scale in _placed(composition):
+    for (number, x, y, angle, scale), gain in zip(_placed(composition), composition.gains, strict=True):
         sprite = transform_sprite(sheet[number], angle, scale)
         part, places = find_places(sprite, x, y, size, composition.periodic)
         cover, halo, away = (each[part] for each in (sprite.cover, sprite.halo, sprite.away))
@@ -58,11 +59,20 @@ def paint_composition(
         weight = np.square(np.square(np.square(halo / (1 + away))))
         around[places] += weight[..., None] * colours
         bare[places] *= 1 - halo
+        colours[..., :-1] = _tint(colours[..., :-1], gain)  # of the thing, and not of what surrounds it
         things[places] += cover[..., None] * (colours - things[places])
     weights = around[..., channels:]
     around = np.where(weights > 0, around[..., :channels] / np.where(weights > 0, weights, 1), beneath)
     beneath = around + bare[..., None] * (beneath - around)
     return things[..., :channels] + (1 - things[..., channels:]) * beneath
+
+
+def _tint(pixels: Floats, gain: npt.NDArray[np.float64]) -> Floats:
+    """Encoded colours, their light multiplied; in pictures that are not of three channels by the mean factor."""
+    if (gain == 1).all():
+        return pixels
+    factors = gain if pixels.shape[2] == 3 else gain.mean(keepdims=True)
+    return linear_to_srgb(srgb_to_linear(pixels) * factors.astype(np.float32))
 
 
 def label_composition(composition: Composition, decomposition: Decomposition) -> npt.NDArray[np.int32]:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
+from jaxtex.core.colour import srgb_to_linear
 from jaxtex.particles.composition import Composition, Exemplar, identify_exemplar
 from jaxtex.particles.grounds import even_ground
 from jaxtex.particles.painting import label_composition, paint_composition
@@ -194,3 +195,13 @@ def test_pictures_of_other_sizes_are_told() -> None:
         paint_composition(one, PICTURE[1:], THINGS, GROUND)
     with pytest.raises(ValueError, match="ground of shape"):
         paint_composition(dataclasses.replace(one, width=81), PICTURE, THINGS, GROUND)
+
+
+def test_colours_are_factors_on_light() -> None:
+    composed = dataclasses.replace(compose((1, 40.0, 25.0, 0.0, 1.0)), gains=np.array([[0.5, 2.0, 1.0]]))
+    drawn = paint_composition(composed, PICTURE, THINGS, GROUND)
+    light = srgb_to_linear(PICTURE[27, 41]) * np.array([0.5, 2.0, 1.0])
+    np.testing.assert_allclose(srgb_to_linear(drawn[25, 40]), light, rtol=1e-4)
+    np.testing.assert_array_equal(drawn[:10], GROUND[:10])
+    grey = paint_composition(composed, PICTURE[..., :1], THINGS, GROUND[..., :1])
+    assert srgb_to_linear(grey[25, 40, 0]) == pytest.approx(3.5 / 3 * srgb_to_linear(PICTURE[27, 41, 0]), rel=1e-4)

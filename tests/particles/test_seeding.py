@@ -168,15 +168,6 @@ def test_classes_come_in_order_from_the_germ() -> None:
     assert (first.x[0], first.y[0]) == (50.0, 60.0)
 
 
-def test_the_arrangement_goes_on_behind_what_is_kept_free() -> None:
-    things = draw_things(lattice(*SQUARE, SIZE), SIZE, width=15, height=15)
-    whole = seed(things, germ=(10.0, 10.0))
-    kept = seed(things, germ=(10.0, 10.0), admit=lambda kind, x, y: not 300 < x < 400)
-    seen = ~((whole.x > 300) & (whole.x < 400))
-    np.testing.assert_array_equal(kept.x, whole.x[seen])
-    assert (kept.x > 400).any()
-
-
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_few_things_lie_anywhere_at_their_distances(count: int) -> None:
     labels = np.zeros((60, 80), int)
