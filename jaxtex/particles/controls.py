@@ -55,8 +55,9 @@ class Control:
         weights: of being chosen, by a particle's number in the decomposition; 1 where none is given, 0 is never. They
             hold to within the difference of particles' sizes at the border of a region.
         least_distance: pixels that centres of particles of a class keep from each other.
-        size_variation: by which part of its size each particle is larger or smaller, at most, at random.
-        orientation_variation: radians by which each particle is turned to either side, at most, at random.
+        size_variation: by which part of its size each particle is larger or smaller, at most, at random. Neighbours
+            stay where they are; who has no room there is left out, so that large ones are fewer where things are close.
+        orientation_variation: radians by which each particle is turned to either side, at most, at random, likewise.
 
     Raises:
         ValueError: a colour of neither one number nor three, a weight below 0.

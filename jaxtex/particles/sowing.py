@@ -22,9 +22,9 @@ class Thing(NamedTuple):
 
     Attributes:
         which: its index in the class.
-        form: its box.
-        footprint: its box with half of what boxes keep free between them.
-        reach: how far its box reaches from its centre.
+        form: its box as it is in the picture, from which neighbours are sought.
+        footprint: its box, as chance has made it, with half of what boxes keep free between them.
+        reach: how far that box reaches from its centre.
         room: half of how far centres are from each other.
         scale, turn: what chance has made of it: a factor and radians.
     """
@@ -133,12 +133,14 @@ class UnevenGround:
     def _choose(self, local: Local) -> Thing:
         cumulative, rng = self._terrain.chances(local.regions), self._rng
         (which,) = rng.choices(range(len(self._forms)), cum_weights=cumulative)
-        form, scale, turn = self._forms[which], 1.0, 0.0
-        if local.size_variation > 0 or local.orientation_variation > 0:
-            scale += local.size_variation * rng.uniform(-1.0, 1.0)
-            turn = local.orientation_variation * rng.uniform(-1.0, 1.0)
-            form = form.changed(scale, turn)
-        return make_thing(which, form, self._clearance, self._room * scale, scale, turn)
+        form = self._forms[which]
+        if local.size_variation == 0 and local.orientation_variation == 0:
+            return make_thing(which, form, self._clearance, self._room)
+        scale = 1.0 + local.size_variation * rng.uniform(-1.0, 1.0)
+        turn = local.orientation_variation * rng.uniform(-1.0, 1.0)
+        # Neighbours are sought as if nothing were changed, so that the arrangement stays what it is.
+        varied = make_thing(which, form.changed(scale, turn), self._clearance, self._room, scale, turn)
+        return varied._replace(form=form)
 
     def _place(self, thing: Thing, x: float, y: float) -> Placed:
         local = self._terrain.at(x, y)

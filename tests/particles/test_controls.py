@@ -12,6 +12,7 @@ from jaxtex.particles.arrangement import learn_arrangement
 from jaxtex.particles.composition import Composition
 from jaxtex.particles.controls import Control, combine_controls
 from jaxtex.particles.fields import linear_field, map_field, radial_field
+from jaxtex.particles.painting import label_composition, paint_composition
 from jaxtex.particles.seeding import seed_composition
 from jaxtex.particles.things import Decomposition, describe_particles
 
@@ -198,16 +199,27 @@ def test_particles_are_chosen_by_weight() -> None:
 
 
 def test_variations_are_as_large_as_is_said() -> None:
-    made = seed(STREWN, Control(size_variation=0.4, orientation_variation=0.3))
+    made, plain = seed(STREWN, Control(size_variation=0.4, orientation_variation=0.3)), seed(STREWN)
     assert 0.6 <= made.scales.min() < 0.64
     assert 1.36 < made.scales.max() <= 1.4
     assert -0.3 <= made.angles.min() < -0.27
     assert 0.27 < made.angles.max() <= 0.3
     assert np.corrcoef(made.scales, made.angles)[0, 1] == pytest.approx(0, abs=0.15)
-    # Larger ones keep more room.
+    assert inside(made).sum() == pytest.approx(inside(plain).sum(), rel=0.1)
+
+
+def test_things_of_random_sizes_stay_where_they_are_and_do_not_overlap() -> None:
+    made = seed(DISCS, Control(size_variation=0.6))
+    turned, stretched, missing = measure_lattice(places(made), SQUARE, LARGE)
+    assert turned < 2
+    assert stretched < 0.02
+    assert missing < 0.2
+    radii = 7.5 * made.scales
     points = places(made)
-    distance, index = cKDTree(points).query(points, 2)
-    assert np.corrcoef(made.scales + made.scales[index[:, 1]], distance[:, 1])[0, 1] > 0.3
+    for index, near in enumerate(cKDTree(points).query(points, 5)[1][:, 1:]):
+        gaps = np.hypot(*(points[near] - points[index][None]).T) - radii[near] - radii[index]
+        # Of the smaller box with its clearance, on either side, as for all particles.
+        assert gaps.min() > -0.15 * 2 * radii.max()
 
 
 def test_several_controls_act_together() -> None:
@@ -235,6 +247,20 @@ def test_wraps_of_an_angle_are_no_jumps() -> None:
         for a in np.linspace(-0.2, 0.2, 41)
     ]
     assert np.mean(across_the_jump) == pytest.approx(np.mean(gaps), rel=0.35)
+
+
+def test_dots_of_one_picture_lie_on_the_joints_of_another() -> None:
+    """Figure 11: leaves are kept only where they are centred on the mortar."""
+    bricks = seed(WALL)
+    joints = label_composition(bricks, WALL) == 0
+    assert 0.2 < joints.mean() < 0.7
+    dots, anywhere = seed(STREWN, Control(density=2.0), Control(probability=map_field(joints, LARGE))), seed(STREWN)
+    row, column = (np.clip(np.floor(each), 0, 699).astype(int) for each in (dots.y, dots.x))
+    assert joints[row, column].all()
+    assert inside(dots).sum() / inside(anywhere).sum() == pytest.approx(2 * joints.mean(), rel=0.15)
+    picture, ground = np.where(STREWN.labels > 0, 1.0, 0.0)[..., None], np.full((*joints.shape, 1), 0.5, np.float32)
+    drawn = paint_composition(dots, picture, STREWN, ground)[..., 0]
+    assert (drawn[row, column][inside(dots)] > 0.9).all()
 
 
 @pytest.mark.parametrize(
