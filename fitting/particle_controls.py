@@ -253,7 +253,7 @@ def draw_mixed(wall: Exemplar, leaves: Exemplar) -> np.ndarray:
     mortar = jt.map_field(jt.label_composition(bricks, wall.things) == 0, (SIDE, SIDE))
     strewn = jt.Control(density=2.0, size=0.8), jt.Control(probability=mortar)
     mixed = [
-        jt.paint_composition(leaves.seed(SIDE, *controls), leaves.picture, leaves.things, drawn)
+        jt.paint_composition(leaves.seed(SIDE, *controls), leaves.picture, leaves.things, drawn, halos=False)
         for controls in (strewn[:1], strewn)
     ]
     return np.concatenate([drawn, *mixed], axis=1)

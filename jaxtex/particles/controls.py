@@ -131,20 +131,24 @@ def combine_controls(controls: Sequence[Control], x: Values, y: Values) -> Effec
         >>> found.size, found.orientation
         (array([2., 1.]), array([0., 1.]))
     """
-    one, none = np.ones(x.shape), np.zeros(x.shape)
-    factors = {"density": one, "size": one, "probability": one}
-    largest = {"least_distance": none, "size_variation": none, "orientation_variation": none}
-    orientation, gains = none, np.ones((*x.shape, 3))
+    factors = {name: np.ones(x.shape) for name in ("density", "size", "probability")}
+    largest = {name: np.zeros(x.shape) for name in ("least_distance", "size_variation", "orientation_variation")}
+    orientation, gains = np.zeros(x.shape), np.ones((*x.shape, 3))
     for control in controls:
         where = region_of(control, x, y)
+        # What asks for nothing is passed over, as there may be many places.
         for name in factors:
-            factors[name] = factors[name] * (1 + where * (_read(name, getattr(control, name), x, y) - 1))
+            if (amount := getattr(control, name)) != 1.0:
+                factors[name] *= 1 + where * (_read(name, amount, x, y) - 1)
         for name in largest:
-            largest[name] = np.maximum(largest[name], where * _read(name, getattr(control, name), x, y))
-        orientation = orientation + where * _read("orientation", control.orientation, x, y)
-        colour = control.colour if isinstance(control.colour, tuple) else (control.colour,) * 3
-        tint = np.stack([_read("colour", each, x, y) for each in colour], axis=-1)
-        gains = gains * (1 + where[:, None] * (tint - 1))
+            if (amount := getattr(control, name)) != 0.0:
+                largest[name] = np.maximum(largest[name], where * _read(name, amount, x, y))
+        if control.orientation != 0.0:
+            orientation += where * _read("orientation", control.orientation, x, y)
+        if control.colour != 1.0:
+            colour = control.colour if isinstance(control.colour, tuple) else (control.colour,) * 3
+            tint = np.stack([_read("colour", each, x, y) for each in colour], axis=-1)
+            gains *= 1 + where[:, None] * (tint - 1)
     density = factors["density"]
     return Effects(
         size=factors["size"],

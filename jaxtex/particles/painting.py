@@ -24,7 +24,12 @@ Floats = npt.NDArray[np.float32]
 
 
 def paint_composition(
-    composition: Composition, pixels: npt.ArrayLike, decomposition: Decomposition, ground: npt.ArrayLike
+    composition: Composition,
+    pixels: npt.ArrayLike,
+    decomposition: Decomposition,
+    ground: npt.ArrayLike,
+    *,
+    halos: bool = True,
 ) -> Floats:
     """Draw a composition.
 
@@ -34,6 +39,8 @@ def paint_composition(
         decomposition: the picture taken apart.
         ground: what is seen where neither particles nor what surrounds them are, [row, col, channel], of the
             composition's size.
+        halos: whether what surrounds particles in the picture is drawn with them; not, if the ground is no part of that
+            picture, as when leaves are laid on a wall.
 
     Returns:
         Colours as `pixels` has them, [row, col, channel].
@@ -55,10 +62,11 @@ def paint_composition(
         part, places = find_places(sprite, x, y, size, composition.periodic)
         cover, halo, away = (each[part] for each in (sprite.cover, sprite.halo, sprite.away))
         colours = np.concatenate([sprite.pixels[part], np.ones((*cover.shape, 1), np.float32)], axis=2)
-        # The eighth power: at 8 pixels, what is a pixel further away, or a tenth weaker, counts 0.4 times.
-        weight = np.square(np.square(np.square(halo / (1 + away))))
-        around[places] += weight[..., None] * colours
-        bare[places] *= 1 - halo
+        if halos:
+            # The eighth power: at 8 pixels, what is a pixel further away, or a tenth weaker, counts 0.4 times.
+            weight = np.square(np.square(np.square(halo / (1 + away))))
+            around[places] += weight[..., None] * colours
+            bare[places] *= 1 - halo
         colours[..., :-1] = _tint(colours[..., :-1], gain)  # of the thing, and not of what surrounds it
         things[places] += cover[..., None] * (colours - things[places])
     weights = around[..., channels:]

@@ -205,3 +205,16 @@ def test_colours_are_factors_on_light() -> None:
     np.testing.assert_array_equal(drawn[:10], GROUND[:10])
     grey = paint_composition(composed, PICTURE[..., :1], THINGS, GROUND[..., :1])
     assert srgb_to_linear(grey[25, 40, 0]) == pytest.approx(3.5 / 3 * srgb_to_linear(PICTURE[27, 41, 0]), rel=1e-4)
+
+
+def test_on_the_ground_of_another_picture_things_lie_without_what_surrounds_them() -> None:
+    wall = np.broadcast_to(np.float32([0.1, 0.9, 0.9]), GROUND.shape)
+    bare, whole = (
+        paint_composition(compose((0, 40.0, 25.0, 0.0, 1.0)), PICTURE, THINGS, wall, halos=halos)
+        for halos in (False, True)
+    )
+    far = np.ones(GROUND.shape[:2], bool)
+    far[20:30, 32:48] = False  # a particle of 12 x 6 with the two pixels of its edge
+    np.testing.assert_array_equal(bare[far], wall[far])
+    assert np.abs(whole - wall)[far].max() > 0.1
+    np.testing.assert_allclose(bare[22:28, 34:46], PICTURE[10:16, 20:32], atol=1e-6)
