@@ -12,6 +12,9 @@ from jaxtex.particles.plane import Grid, Plane
 from jaxtex.particles.terrain import EVEN, Local, Terrain
 
 _STALE = 0.01  # of all placed: if fewer than that are new in a round, it is the last
+_PATIENCE = 30  # more rounds of that kind, where there are hardly any particles: some lists may lead nowhere
+_HARDLY_ANY = 0.1  # of as many as there are in the picture
+
 _TRIES = 12  # places that are tried around each particle of a class whose arrangement is not known
 _BEYOND = 1 + 1e-6  # times the least distance: how far a neighbour goes, so that rounding does not matter
 _TINY = 1e-6  # pixels
@@ -188,6 +191,7 @@ def sow_class(
     ways = _listed_ways(rule, forms, rng) if isinstance(rule, Listed) else _scattered_ways(rule, rng)
     found = [ground.stand(*germ)]
     grid.add(*germ, found[0])
+    idle = 0
     while True:
         before, queue = len(found), deque(found)
         while queue:
@@ -199,7 +203,9 @@ def sow_class(
                     grid.add(child.x, child.y, child)
                     found.append(child)
                     queue.append(child)
-        if len(found) - before <= _STALE * len(found) or count_inside(plane, found) >= enough:
+        there = count_inside(plane, found)
+        idle = idle + 1 if len(found) - before <= _STALE * len(found) else 0
+        if there >= enough or idle > (_PATIENCE if there < _HARDLY_ANY * enough else 0):
             return found
 
 

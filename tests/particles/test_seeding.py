@@ -189,13 +189,14 @@ def test_a_close_pair_does_not_crowd_the_plane() -> None:
 
 
 def test_a_class_that_died_out_gets_another_turn() -> None:
-    # Half of the lists lead nowhere, as what they name is too close; the first to be chosen is one of them.
+    # Three lists of four lead nowhere, as what they name is too close; one of them may be the first to be chosen.
     things = draw_things(lattice(*SQUARE, SIZE), SIZE, width=15, height=15)
     (rule,) = learn_arrangement(things).classes
     blind = tuple(entry._replace(dx=-1.0, dy=-1.0) for entry in rule.lists[0])
     halved = Arrangement((rule._replace(lists=rule.lists + len(rule.lists) * 3 * (blind,)),))
-    made = seed_composition(things, halved, LARGE, key=jax.random.key(0))
-    assert count_inside(places(made)) > 0.9 * np.prod(LARGE) / 24.7**2
+    for number in range(8):
+        made = seed_composition(things, halved, LARGE, key=jax.random.key(number))
+        assert count_inside(places(made)) > 0.9 * np.prod(LARGE) / 24.7**2
 
 
 @pytest.mark.parametrize(
