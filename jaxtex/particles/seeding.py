@@ -57,10 +57,10 @@ def seed_composition(
     several classes may overlap.
 
     Departures from section 2.2: where things nearly touch, each comes with its own list and with those that were
-    around it, as which of them fit together is no matter of chance then; so mosaics hold. Boxes count with the clearance that they have in the picture, and centres keep a
-    distance too, so that small things far apart are not crowded. All particles get another turn where there are still
-    fewer per pixel than in the picture. Where there are clearly more, boxes that overlap in the picture keep more
-    apart, and then some particles are taken away at random.
+    around it, as which of them fit together is no matter of chance then; so mosaics hold. Boxes count with the
+    clearance that they have in the picture, and centres keep a distance too, so that small things far apart are not
+    crowded. All particles get another turn where there are still fewer per pixel than in the picture. Where there are
+    clearly more, boxes that overlap in the picture keep more apart, and then some particles are taken away at random.
 
     Args:
         decomposition: the picture taken apart.
