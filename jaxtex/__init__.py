@@ -120,6 +120,7 @@ if TYPE_CHECKING:
     from jaxtex.particles.composition import Composition as Composition
     from jaxtex.particles.composition import read_composition as read_composition
     from jaxtex.particles.composition import write_composition as write_composition
+    from jaxtex.particles.painting import label_composition as label_composition
     from jaxtex.particles.painting import make_ground as make_ground
     from jaxtex.particles.painting import paint_composition as paint_composition
     from jaxtex.particles.seeding import seed_composition as seed_composition
@@ -281,6 +282,7 @@ _PUBLIC = {
     "find_particles": "jaxtex.particles.segmentation",
     "Decomposition": "jaxtex.particles.things",
     "describe_particles": "jaxtex.particles.things",
+    "label_composition": "jaxtex.particles.painting",
     "make_ground": "jaxtex.particles.painting",
     "paint_composition": "jaxtex.particles.painting",
     "Composition": "jaxtex.particles.composition",

@@ -16,12 +16,14 @@ from jax import Array
 from scipy import ndimage
 
 from jaxtex.particles.composition import Composition
+from jaxtex.particles.sprites import Cut, find_places, transform_cut
 from jaxtex.particles.things import Box, Decomposition
 from jaxtex.synthesis.coherence import inpaint_coherence, synthesise_coherence
 from jaxtex.synthesis.neighbourhoods import check_picture
 from jaxtex.synthesis.sources import copy_sources
 
 _SOFT = 2  # pixels beyond a particle's edge until nothing of it is left
+_HALF = 0.4999  # of a pixel: a particle covers one that it fills so far, rounding aside
 _CLEAR = 2  # pixels around things that are not taken for ground, as they have shadows and blurred edges
 
 Pixels = npt.NDArray[np.float32]
@@ -109,6 +111,48 @@ def paint_composition(
             sprite = cut[number] = _cut_out(picture, mask, around[number], decomposition.particles[number].box)
         _lay(drawn, _transform(sprite, angle, scale), x, y, composition.periodic)
     return drawn
+
+
+def label_composition(composition: Composition, decomposition: Decomposition) -> npt.NDArray[np.int32]:
+    """Which placed particle is seen where, with hard edges: those of its label, turned and scaled.
+
+    Args:
+        composition: of the particles of `decomposition`.
+        decomposition: the picture taken apart.
+
+    Returns:
+        Of the particle that covers a pixel, the index in the composition, from 1; 0 is the ground. Int32 [row, col].
+
+    Examples:
+        >>> from jaxtex.particles.composition import Composition, identify_exemplar
+        >>> from jaxtex.particles.things import describe_particles
+        >>> labels = np.zeros((8, 12), int)
+        >>> labels[2:5, 2:10] = 1
+        >>> things = describe_particles(labels, [0])
+        >>> exemplar = identify_exemplar(things)
+        >>> one = Composition(6, 5, True, exemplar, [0], [0], [0.0], [2.0], [np.pi / 2], [0.5])
+        >>> label_composition(one, things)
+        array([[1, 0, 0, 0, 0, 1],
+               [1, 0, 0, 0, 0, 1],
+               [1, 0, 0, 0, 0, 1],
+               [1, 0, 0, 0, 0, 1],
+               [0, 0, 0, 0, 0, 0]], dtype=int32)
+    """
+    labels = np.zeros((composition.height, composition.width), np.int32)
+    around = ndimage.find_objects(decomposition.labels)
+    cut: dict[int, Cut] = {}
+    for index, (number, x, y, angle, scale) in enumerate(
+        zip(composition.particles, composition.x, composition.y, composition.angles, composition.scales, strict=True), 1
+    ):
+        if number not in cut:
+            rows, columns = around[number]
+            mask, box = decomposition.labels[rows, columns] == number + 1, decomposition.particles[number].box
+            cut[number] = Cut(mask[..., None].astype(np.float32), box.x - columns.start, box.y - rows.start)
+        turned = transform_cut(cut[number], angle, scale)
+        part, places = find_places(turned, x, y, (composition.width, composition.height), composition.periodic)
+        seen = turned.planes[part][..., 0] > _HALF
+        labels[places] = np.where(seen, index, labels[places])
+    return labels
 
 
 def _check(pixels: npt.ArrayLike, decomposition: Decomposition) -> Pixels:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from jaxtex.particles.composition import Composition, Exemplar
-from jaxtex.particles.painting import make_ground, paint_composition
+from jaxtex.particles.painting import label_composition, make_ground, paint_composition
 from jaxtex.particles.things import describe_particles
 
 KEY = jax.random.key(0)
@@ -65,6 +65,36 @@ def test_periodic_compositions_wrap_and_others_are_cut_off() -> None:
     np.testing.assert_allclose(np.roll(wrapped, (24, -39), (0, 1)), paint((0, 40.0, 25.0, 0.0, 1.0)))
     assert (cut[:, :40] == GROUND[:, :40]).all()
     np.testing.assert_allclose(cut[0, 76:], wrapped[0, 76:])
+
+
+def test_labels_are_those_of_the_picture_where_they_are_placed() -> None:
+    labels = label_composition(compose((1, 10.0, 12.0, 0.0, 1.0), (0, 76.5, 3.2, 0.0, 1.0), periodic=True), THINGS)
+    expected = np.zeros((50, 80), int)
+    expected[8:16, 8:12] = 1
+    expected[0:6, 70:80] = expected[0:6, 0:2] = 2
+    np.testing.assert_array_equal(labels, expected)
+
+
+def test_later_labels_cover_earlier_ones_and_planes_cut_off() -> None:
+    labels = label_composition(compose((0, 40.0, 25.0, 0.0, 1.0), (1, 40.0, 25.0, 0.0, 1.0)), THINGS)
+    np.testing.assert_array_equal(labels[21:29, 38:42], 2)
+    assert (labels == 1).sum() == 12 * 6 - 4 * 6
+    cut = label_composition(compose((0, 79.0, 1.0, 0.0, 1.0), (0, -200.0, 0.0, 0.0, 1.0)), THINGS)
+    assert (cut == 1).sum() == 7 * 4
+    assert (cut == 2).sum() == 0
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, np.pi / 2])
+@pytest.mark.parametrize("scale", [0.5, 1.0, 3.0])
+def test_labels_are_turned_and_scaled(angle: float, scale: float) -> None:
+    """Against which pixels' centres lie in the turned box."""
+    labels = label_composition(compose((0, 40.0, 25.0, angle, scale)), THINGS)
+    row, column = np.indices((50, 80)) + 0.5
+    along = np.cos(angle) * (column - 40) + np.sin(angle) * (row - 25)
+    across = np.cos(angle) * (row - 25) - np.sin(angle) * (column - 40)
+    inside = np.maximum(np.abs(along) - 6 * scale, np.abs(across) - 3 * scale)
+    assert (labels[inside < -0.8] == 1).all()
+    assert (labels[inside > 0.8] == 0).all()
 
 
 def test_ground_is_that_of_the_picture_without_its_things() -> None:
