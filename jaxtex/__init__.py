@@ -123,8 +123,12 @@ if TYPE_CHECKING:
     from jaxtex.particles.painting import label_composition as label_composition
     from jaxtex.particles.painting import make_ground as make_ground
     from jaxtex.particles.painting import paint_composition as paint_composition
+    from jaxtex.particles.relaxation import relax_composition as relax_composition
     from jaxtex.particles.seeding import seed_composition as seed_composition
     from jaxtex.particles.segmentation import find_particles as find_particles
+    from jaxtex.particles.statistics import compare_statistics as compare_statistics
+    from jaxtex.particles.statistics import measure_composition as measure_composition
+    from jaxtex.particles.statistics import measure_picture as measure_picture
     from jaxtex.particles.things import Decomposition as Decomposition
     from jaxtex.particles.things import describe_particles as describe_particles
     from jaxtex.photo.automask import auto_mask as auto_mask
@@ -279,6 +283,10 @@ _PUBLIC = {
     # things of a picture -> a composition of them
     "learn_arrangement": "jaxtex.particles.arrangement",
     "seed_composition": "jaxtex.particles.seeding",
+    "relax_composition": "jaxtex.particles.relaxation",
+    "measure_picture": "jaxtex.particles.statistics",
+    "measure_composition": "jaxtex.particles.statistics",
+    "compare_statistics": "jaxtex.particles.statistics",
     "find_particles": "jaxtex.particles.segmentation",
     "Decomposition": "jaxtex.particles.things",
     "describe_particles": "jaxtex.particles.things",
