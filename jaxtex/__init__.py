@@ -131,6 +131,7 @@ if TYPE_CHECKING:
     from jaxtex.particles.painting import label_composition as label_composition
     from jaxtex.particles.painting import paint_composition as paint_composition
     from jaxtex.particles.picking import pick_particles as pick_particles
+    from jaxtex.particles.relaxation import relax_composition as relax_composition
     from jaxtex.particles.scissors import Polygon as Polygon
     from jaxtex.particles.scissors import cut_polygons as cut_polygons
     from jaxtex.particles.scissors import join_things as join_things
@@ -138,6 +139,9 @@ if TYPE_CHECKING:
     from jaxtex.particles.scissors import read_polygons as read_polygons
     from jaxtex.particles.seeding import seed_composition as seed_composition
     from jaxtex.particles.segmentation import find_particles as find_particles
+    from jaxtex.particles.statistics import compare_statistics as compare_statistics
+    from jaxtex.particles.statistics import measure_composition as measure_composition
+    from jaxtex.particles.statistics import measure_picture as measure_picture
     from jaxtex.particles.things import Decomposition as Decomposition
     from jaxtex.particles.things import describe_particles as describe_particles
     from jaxtex.photo.automask import auto_mask as auto_mask
@@ -299,6 +303,10 @@ _PUBLIC = {
     "linear_field": "jaxtex.particles.fields",
     "map_field": "jaxtex.particles.fields",
     "radial_field": "jaxtex.particles.fields",
+    "relax_composition": "jaxtex.particles.relaxation",
+    "measure_picture": "jaxtex.particles.statistics",
+    "measure_composition": "jaxtex.particles.statistics",
+    "compare_statistics": "jaxtex.particles.statistics",
     "find_particles": "jaxtex.particles.segmentation",
     "pick_particles": "jaxtex.particles.picking",
     "Polygon": "jaxtex.particles.scissors",
