@@ -1,6 +1,7 @@
 """Compositions relaxed: particles moved until they lie around each other as those of the picture do."""
 
 import dataclasses
+from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
@@ -47,6 +48,7 @@ def relax_composition(
     *,
     fixed: npt.ArrayLike | None = None,
     rounds: int = _ROUNDS,
+    report: Callable[[int, int], None] | None = None,
 ) -> Composition:
     """Move particles by gradient until they lie around each other, within and between classes, as in the picture.
 
@@ -60,6 +62,7 @@ def relax_composition(
         decomposition: the picture taken apart.
         fixed: which particles stay where they are, bool [placed]; by default none.
         rounds: how often neighbours are looked up anew; 0 leaves all as it is.
+        report: called with the number of rounds that are done, and of all.
 
     Returns:
         The composition with particles moved.
@@ -118,6 +121,8 @@ def relax_composition(
         )
         steps = np.asarray(moved, float)[: len(composition)] - pattern.points
         composition = _move(composition, np.where(held[:, None], 0.0, steps))
+        if report is not None:
+            report(turn + 1, rounds)
     return composition
 
 
