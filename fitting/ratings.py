@@ -20,7 +20,7 @@ from jaxtex.particles.rating import compare_looks, fit_logistic, multiply_out, s
 from jaxtex.particles.regions import Tree, choose_regions, measure_regions, merge_patches
 from jaxtex.photo.pictures import to_lab
 
-SCENES = 10  # of each sort to learn from; the seeds of those to test are others
+SCENES = 8  # of each sort to learn from; the seeds of those to test are others
 PAR = 0.4
 PENALTY = 1e-5
 

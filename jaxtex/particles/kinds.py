@@ -39,7 +39,7 @@ def class_things(lab: Map, labels: Labels, kinds: int | None = None) -> npt.NDAr
     means = np.stack([ndimage.mean(lab[..., i], labels, numbers) for i in range(3)], axis=1).astype(np.float32)
     classes = np.zeros(len(numbers), np.intp)
     for count in range(2, _MOST_KINDS + 1) if kinds is None else [kinds]:
-        if count > len(numbers) or np.ptp(means, axis=0).max() < 1e-3:
+        if count > len(np.unique(means.round(2), axis=0)):
             break
         centres = kmeans2(means, count, minit="++", seed=0, iter=50)[0]
         tried = nearest_centre(means, centres)
