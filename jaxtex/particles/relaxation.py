@@ -100,6 +100,8 @@ def relax_composition(
     there = as_device(pad_rows(exemplar.points, round_up(len(exemplar.points))))
     forms = own[composition.particles]
     forms[:, :2] *= composition.scales[:, None]
+    # Boxes that interlock in the picture do not elsewhere, so that what is further apart at first stays so.
+    least = np.maximum(least, measure_least_gaps(pattern_of_composition(composition), forms, kinds))
     unit = float(np.asarray(scales.unit).reshape(kinds, kinds).diagonal().min())
     free = as_device(pad_rows(1.0 - held.astype(float), room))
     for turn in range(rounds):
