@@ -75,15 +75,15 @@ def relax_composition(
         >>> from jaxtex.particles.arrangement import learn_arrangement
         >>> from jaxtex.particles.seeding import seed_composition
         >>> from jaxtex.particles.things import describe_particles
-        >>> row, column = np.indices((60, 80))
-        >>> labels = np.where((row % 12 < 8) & (column % 20 < 15), 1 + row // 12 * 4 + column // 20, 0)
-        >>> bricks = describe_particles(labels, [0] * 20)
+        >>> row, column = np.indices((120, 160))
+        >>> labels = np.where((row % 12 < 8) & (column % 20 < 15), 1 + row // 12 * 8 + column // 20, 0)
+        >>> bricks = describe_particles(labels, [0] * 80)
         >>> wall = seed_composition(
         ...     bricks, learn_arrangement(bricks), (200, 120), key=jax.random.key(0), tileable=True
         ... )
         >>> moved = dataclasses.replace(wall, x=wall.x + np.random.default_rng(0).normal(0, 1, len(wall)))
-        >>> relaxed = relax_composition(moved, bricks)
-        >>> bool(np.abs(relaxed.x % 20 - wall.x % 20).mean() < 0.5 * np.abs(moved.x - wall.x).mean())
+        >>> off = [(each.x - wall.x + 10) % 20 - 10 for each in (moved, relax_composition(moved, bricks))]
+        >>> bool(off[1].std() < 0.8 * off[0].std())
         True
     """
     check_exemplar(composition, decomposition)
@@ -103,6 +103,8 @@ def relax_composition(
     there = as_device(pad_rows(exemplar.points, round_up(len(exemplar.points))))
     forms = own[composition.particles]
     forms[:, :2] *= composition.scales[:, None]
+    # Boxes that interlock in the picture do not elsewhere, so that what is further apart at first stays so.
+    least = np.maximum(least, measure_least_gaps(pattern_of_composition(composition), forms, kinds))
     unit = float(np.asarray(scales.unit).reshape(kinds, kinds).diagonal().min())
     free = as_device(pad_rows(1.0 - held.astype(float), room))
     for turn in range(rounds):
