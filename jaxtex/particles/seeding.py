@@ -50,11 +50,12 @@ def seed_composition(
     """Place particles on a plane as those of the picture are arranged.
 
     Each class begins with a particle at the germ. Around every particle that is placed, neighbours come where a list
-    of its class, chosen at random, has them. Each is a complete particle chosen at random, and is left out where it and
-    what particles of its class keep free would overlap one that is there by too much (`MOST_OVERLAP`). That goes on
-    until nothing more can be placed. Classes whose arrangement is not known have neighbours in any direction, as far
-    away as in the picture and no closer. As in the paper, classes know nothing of each other, so that particles of
-    several classes may overlap.
+    of its class, chosen at random, has them. Each is a complete particle chosen at random, from a deck to which those
+    go back that find no room, so that sizes are as often as in the picture. It is left out where it and what particles
+    of its class keep free would overlap one that is there by too much (`MOST_OVERLAP`). That goes on until nothing more
+    can be placed. Classes whose arrangement is not known have neighbours in any direction, as far away as in the
+    picture and no closer. As in the paper, classes know nothing of each other, so that particles of several classes may
+    overlap.
 
     Departures from section 2.2: where things nearly touch, each comes with its own list and with those that were
     around it, as which of them fit together is no matter of chance then; so mosaics hold. Boxes count with the

@@ -74,6 +74,40 @@ class Way(NamedTuple):
     which: int = -1
 
 
+class Deck:
+    """Particles to choose from, as cards. Who finds no room is put back, so that large ones, which seldom do, become as
+    many as in the picture.
+
+    Args:
+        count: how many there are.
+        rng: of the choices.
+    """
+
+    def __init__(self, count: int, rng: Random) -> None:
+        self._count, self._rng = count, rng
+        self._cards = list(range(count))
+        self._drawn = -1
+
+    def draw(self) -> int:
+        """A card of chance, which stays in the deck for now."""
+        self._drawn = pick(self._rng, len(self._cards))
+        return self._cards[self._drawn]
+
+    def pass_by(self) -> None:
+        """Nothing was drawn: someone was chosen otherwise."""
+        self._drawn = -1
+
+    def take(self) -> None:
+        """Take away the card that was drawn last. Before only those are left that hardly ever find room, the deck is
+        filled up."""
+        if self._drawn >= 0:
+            self._cards[self._drawn] = self._cards[-1]
+            self._cards.pop()
+            if 2 * len(self._cards) < self._count:
+                self._cards += range(self._count)
+        self._drawn = -1
+
+
 class Ground(Protocol):
     """How a class stands on the plane: which particles are chosen at a place, and how large and far apart they are."""
 
@@ -82,6 +116,9 @@ class Ground(Protocol):
 
     def step(self, parent: Placed, way: Way) -> Placed:
         """A particle at the end of a way from another: the one that the way leads to, or one of chance."""
+
+    def settle(self) -> None:
+        """The last of these has found room."""
 
 
 class EvenGround:
@@ -96,17 +133,25 @@ class EvenGround:
     """
 
     def __init__(self, plane: Plane, forms: Sequence[Form], clearance: float, apart: float, rng: Random) -> None:
-        self._wrap, self._rng = plane.wrap, rng
+        self._wrap, self._deck = plane.wrap, Deck(len(forms), rng)
         self._things = [make_thing(which, form, clearance, 0.5 * apart) for which, form in enumerate(forms)]
         self._reaches = [hypot(thing.footprint.across, thing.footprint.down) for thing in self._things]
 
     def stand(self, x: float, y: float) -> Placed:
-        return self._place(self._things[pick(self._rng, len(self._things))], x, y)
+        return self._place(self._things[self._deck.draw()], x, y)
 
     def step(self, parent: Placed, way: Way) -> Placed:
-        thing = self._things[pick(self._rng, len(self._things)) if way.which < 0 else way.which]
+        which = way.which
+        if which < 0:
+            which = self._deck.draw()
+        else:
+            self._deck.pass_by()
+        thing = self._things[which]
         dx, dy = way.follow(thing.form)
         return self._place(thing, *self._wrap(parent.x + dx, parent.y + dy))
+
+    def settle(self) -> None:
+        self._deck.take()
 
     def _place(self, thing: Thing, x: float, y: float) -> Placed:
         return Placed(x, y, thing, EVEN, thing.footprint, self._reaches[thing.which], thing.room)
@@ -131,6 +176,7 @@ class UnevenGround:
         self, plane: Plane, forms: Sequence[Form], clearance: float, apart: float, rng: Random, terrain: Terrain
     ) -> None:
         self._wrap, self._rng, self._terrain = plane.wrap, rng, terrain
+        self._deck = Deck(len(forms), rng)
         self._forms, self._clearance, self._room = forms, clearance, 0.5 * apart
 
     def stand(self, x: float, y: float) -> Placed:
@@ -142,10 +188,16 @@ class UnevenGround:
         thing = self._choose(there, way.which)
         return self._place(thing, *self._wrap(*_follow(parent, there, *way.follow(thing.form))))
 
+    def settle(self) -> None:
+        self._deck.take()
+
     def _choose(self, local: Local, which: int) -> Thing:
-        cumulative, rng = self._terrain.chances(local.regions), self._rng
-        if which < 0 or local.regions:  # weights may speak against the one that was there
-            (which,) = rng.choices(range(len(self._forms)), cum_weights=cumulative)
+        rng = self._rng
+        self._deck.pass_by()
+        if local.regions:  # weights may speak against the one that was there
+            (which,) = rng.choices(range(len(self._forms)), cum_weights=self._terrain.chances(local.regions))
+        elif which < 0:
+            which = self._deck.draw()
         form = self._forms[which]
         if local.size_variation == 0 and local.orientation_variation == 0:
             return make_thing(which, form, self._clearance, self._room)
@@ -200,6 +252,7 @@ def sow_class(
     plane, grid, ground, rng = sowing.plane, sowing.grid, sowing.ground, sowing.rng
     ways = _listed_ways(rule, forms, rng) if isinstance(rule, Listed) else _scattered_ways(rule, rng)
     found = [ground.stand(*germ)]
+    ground.settle()
     grid.add(*germ, found[0])
     idle = 0
     while True:
@@ -210,6 +263,7 @@ def sow_class(
                 child = ground.step(parent, way)
                 seen = plane.contains(child.x, child.y, child.thing.reach * child.local.size)
                 if seen and not _is_taken(sowing, child):
+                    ground.settle()
                     grid.add(child.x, child.y, child)
                     found.append(child)
                     queue.append(child)
