@@ -157,6 +157,24 @@ if TYPE_CHECKING:
     from jaxtex.photo.segment import colour_mask as colour_mask
     from jaxtex.photo.segment import pick_colours as pick_colours
     from jaxtex.photo.segment import threshold_mask as threshold_mask
+    from jaxtex.progressive.fields import orientation_field as orientation_field
+    from jaxtex.progressive.fields import scale_field as scale_field
+    from jaxtex.progressive.fields import transition_field as transition_field
+    from jaxtex.progressive.key_files import FieldKeys as FieldKeys
+    from jaxtex.progressive.key_files import make_field as make_field
+    from jaxtex.progressive.key_files import read_keys as read_keys
+    from jaxtex.progressive.keys import FieldKey as FieldKey
+    from jaxtex.progressive.mask_proposal import propose_texton_mask as propose_texton_mask
+    from jaxtex.progressive.plots import overlay_texton_mask as overlay_texton_mask
+    from jaxtex.progressive.plots import plot_orientation as plot_orientation
+    from jaxtex.progressive.plots import plot_scalar as plot_scalar
+    from jaxtex.progressive.texton_masks import ColourPick as ColourPick
+    from jaxtex.progressive.texton_masks import pick_texton_mask as pick_texton_mask
+    from jaxtex.progressive.texton_masks import read_texton_mask as read_texton_mask
+    from jaxtex.progressive.texton_masks import write_texton_mask as write_texton_mask
+    from jaxtex.progressive.varying import VaryingTexture as VaryingTexture
+    from jaxtex.progressive.varying import read_varying as read_varying
+    from jaxtex.progressive.varying import write_varying as write_varying
     from jaxtex.synthesis.ashikhmin import ashikhmin_steps as ashikhmin_steps
     from jaxtex.synthesis.ashikhmin import synthesise_ashikhmin as synthesise_ashikhmin
     from jaxtex.synthesis.coherence import coherence_steps as coherence_steps
@@ -307,6 +325,24 @@ _PUBLIC = {
     "measure_picture": "jaxtex.particles.statistics",
     "measure_composition": "jaxtex.particles.statistics",
     "compare_statistics": "jaxtex.particles.statistics",
+    "orientation_field": "jaxtex.progressive.fields",
+    "scale_field": "jaxtex.progressive.fields",
+    "transition_field": "jaxtex.progressive.fields",
+    "FieldKeys": "jaxtex.progressive.key_files",
+    "make_field": "jaxtex.progressive.key_files",
+    "read_keys": "jaxtex.progressive.key_files",
+    "FieldKey": "jaxtex.progressive.keys",
+    "propose_texton_mask": "jaxtex.progressive.mask_proposal",
+    "overlay_texton_mask": "jaxtex.progressive.plots",
+    "plot_orientation": "jaxtex.progressive.plots",
+    "plot_scalar": "jaxtex.progressive.plots",
+    "ColourPick": "jaxtex.progressive.texton_masks",
+    "pick_texton_mask": "jaxtex.progressive.texton_masks",
+    "read_texton_mask": "jaxtex.progressive.texton_masks",
+    "write_texton_mask": "jaxtex.progressive.texton_masks",
+    "VaryingTexture": "jaxtex.progressive.varying",
+    "read_varying": "jaxtex.progressive.varying",
+    "write_varying": "jaxtex.progressive.varying",
     "find_particles": "jaxtex.particles.segmentation",
     "pick_particles": "jaxtex.particles.picking",
     "Polygon": "jaxtex.particles.scissors",
