@@ -27,7 +27,7 @@ _MOST_GROWTH = 2.0
 """Steps by which a particle grows at most, in its sizes. Its size is its box's longer side, or the side of the square
 that each particle of its class has on average, if that is more: sparse things have neighbours too."""
 
-_DENSE = 0.4  # of the picture: where a class covers so much, its particles nearly touch
+_DENSE = 0.4  # of the picture: where things cover so much, they nearly touch
 _FEWEST = 4  # particles of a class that have an arrangement (section 2.2: one, two or three have none)
 _CLOSEST = 0.1  # of all neighbours that are nearest to a particle: how many are closer than what they keep as a rule
 _COMPARED = 16  # other particles whose lists are tried at each particle
@@ -140,17 +140,12 @@ def _learn_class(decomposition: Decomposition, kinds: Sequence[int], kind: int) 
             lists = tuple(tuple(entry for _, entry in pairs) for pairs in listed.values())
             neighbours = tuple(tuple(index.get(other, -1) for other, _ in pairs) for pairs in listed.values())
             owners = tuple(index[number] for number in listed)
-            coherent = _share_of(decomposition, kind) >= _DENSE
+            coherent = bool(np.mean(decomposition.labels > 0) >= _DENSE)
             closeness = _measure_closeness(decomposition, seen)
             return Listed(members, lists, owners, neighbours, coherent, *frames, *closeness, density)
     height, width = decomposition.labels.shape
     apart = [hypot(boxes[i].x - boxes[j].x, boxes[i].y - boxes[j].y) for i, j in combinations(numbers, 2)]
     return Scattered(members, tuple(apart) or (float(width), float(height)), density)
-
-
-def _share_of(decomposition: Decomposition, kind: int) -> float:
-    """How much of the picture a class covers."""
-    return sum(each.area for each in decomposition.particles if each.kind == kind) / decomposition.labels.size
 
 
 def _measure_density(decomposition: Decomposition, numbers: Sequence[int], members: Sequence[int]) -> float:
