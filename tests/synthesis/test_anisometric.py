@@ -74,23 +74,30 @@ def test_a_pass_decides_as_a_plain_loop_does(seed: int, tileable: bool, everywhe
 def decide_plainly(
     known: Known, wanted: Given, sources: np.ndarray, tolerance: float, radius: int, everywhere: bool, tileable: bool
 ) -> np.ndarray:
-    sources, mode = sources.copy(), "grid-wrap" if tileable else "nearest"
+    sources = sources.copy()
     rows, columns = sources.shape[:2]
     ends = np.array(known.valid.shape) - 1
     weights, taps = neighbourhood_weights(radius)[:, None], neighbourhood_taps(radius)
     basis, features = np.asarray(known.basis), np.asarray(known.features).reshape(*known.valid.shape, -1)
     for first in ((0, 0), (1, 1), (0, 1), (1, 0)):
         before = sources.copy()
-        shown = sample_sources(known.pixels, before)
         for row in range(first[0], rows + rows % 2, 2):
             for column in range(first[1], columns + columns % 2, 2):
                 at = np.array([min(row, rows - 1), min(column, columns - 1)])
                 frame, value = wanted.frames[tuple(at)], wanted.transition[1][tuple(at)]
-                places = (at + taps @ frame.T).T
-                window = np.stack(
-                    [map_coordinates(each, places, order=1, mode=mode) for each in shown.T.swapaxes(1, 2)]
-                )
-                feature = (window.T * weights).ravel() @ basis
+                places = at + taps @ frame.T
+                pixels = np.rint(places).astype(int)
+                pixels = pixels if tileable else np.clip(pixels, 0, [rows - 1, columns - 1])
+                theirs = before[pixels[:, 0] % rows, pixels[:, 1] % columns]
+                steps = (places - pixels) @ np.linalg.inv(frame).T
+                if known.frames is not None:
+                    own = np.clip(np.rint(theirs), 0, ends).astype(int)
+                    steps = np.einsum("nij,nj->ni", known.frames[own[:, 0], own[:, 1]], steps)
+                window = [
+                    map_coordinates(each, (theirs + steps).T, order=1, mode="nearest")
+                    for each in np.moveaxis(known.pixels, 2, 0)
+                ]
+                feature = (np.stack(window, axis=1) * weights).ravel() @ basis
                 best, least = before[tuple(at)], np.inf
                 for step in np.ndindex(3, 3):
                     away = np.array(step) - 1
