@@ -18,6 +18,7 @@ from jaxtex.synthesis.exemplars import neighbourhood_taps, neighbourhood_weights
 _LEAP = 2.0  # times as far does a place found by looking everywhere count
 _JUMP = 1.5  # times as far does a place count that continues no neighbour: pieces stay whole
 _APART = 2  # pixels, along either axis, between those that are decided together
+_TURNS = (0, 0), (1, 1), (0, 1), (1, 0)
 _AT_A_TIME = 2048  # pixels
 
 Floats = npt.NDArray[np.float32]
@@ -71,24 +72,41 @@ def sample_places(picture: Array | Floats, places: Array | Floats, wrap: bool = 
     return (1 - down) * upper + down * lower
 
 
+def order_pixels(some: npt.NDArray[np.bool_]) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
+    """Some pixels [row, col] in the order in which they are decided: (row, col) of those that are decided together,
+    [turn, pixel, 2], which lie apart, and how many they are, [turn]."""
+    lattice = [-(-side // _APART) for side in some.shape]
+    batch = min(_AT_A_TIME, lattice[0] * lattice[1])
+    order = np.full((len(_TURNS), -(-lattice[0] * lattice[1] // batch) * batch, 2), max(some.shape), np.int32)
+    counts = []
+    for turn, first in enumerate(_TURNS):
+        there = np.argwhere(some[first[0] :: _APART, first[1] :: _APART]) * _APART + first
+        order[turn, : len(there)] = there
+        counts.append(len(there))
+    return order, np.array(counts, np.int32)
+
+
 @partial(jax.jit, static_argnames=("radius", "everywhere", "tileable"), compiler_options=SAME_EVERY_TIME)
 def decide_all(
-    known: Known, wanted: Given, sources: Array, tolerance: Array, radius: int, everywhere: bool, tileable: bool
+    known: Known,
+    wanted: Given,
+    sources: Array,
+    tolerance: Array,
+    order: Array,
+    counts: Array,
+    radius: int,
+    everywhere: bool,
+    tileable: bool,
 ) -> Array:
-    """Decide all pixels anew, once: new sources [row, col, 2]."""
-    rows, columns = sources.shape[:2]
+    """Decide pixels anew, once, in an order of `order_pixels`: new sources [row, col, 2]."""
     weights = jnp.asarray(neighbourhood_weights(radius))[:, None]
     taps = jnp.asarray(neighbourhood_taps(radius))
     colours = known.pixels.shape[2] - wanted.guide.shape[2]
     backward = jnp.linalg.inv(wanted.frames)
-    lattice = -(-rows // _APART), -(-columns // _APART)
+    batch = min(_AT_A_TIME, order.shape[1])
 
-    def visit(sources: Array, offset: Array) -> tuple[Array, None]:
-        row = jnp.minimum(offset[0] + _APART * jnp.arange(lattice[0]), rows - 1)
-        column = jnp.minimum(offset[1] + _APART * jnp.arange(lattice[1]), columns - 1)
-
-        def decide(index: Array) -> Array:
-            at = jnp.stack([row[index // lattice[1]], column[index % lattice[1]]])
+    def visit(sources: Array, turn: tuple[Array, Array]) -> tuple[Array, None]:
+        def decide(at: Array) -> Array:
             frame, back = wanted.frames[at[0], at[1]], backward[at[0], at[1]]
             places = at[None] + taps @ frame.T
             shown = sample_places(
@@ -104,11 +122,13 @@ def decide_all(
             far, least = _choose_among_all(known, wanted, feature, (value, tolerance))
             return jnp.where(_LEAP * least < distance, far, near)
 
-        found = lax.map(decide, jnp.arange(lattice[0] * lattice[1]), batch_size=_AT_A_TIME).reshape(*lattice, 2)
-        return sources.at[row[:, None], column[None, :]].set(found), None
+        def decide_some(number: Array, moved: Array) -> Array:
+            some = lax.dynamic_slice(turn[0], (number * batch, 0), (batch, 2))
+            return moved.at[some[:, 0], some[:, 1]].set(jax.vmap(decide)(some), mode="drop")
 
-    offsets = jnp.array([(0, 0), (1, 1), (0, 1), (1, 0)])
-    return lax.scan(visit, sources, offsets)[0]
+        return lax.fori_loop(0, -(-turn[1] // batch), decide_some, sources), None
+
+    return lax.scan(visit, sources, (order, counts))[0]
 
 
 def _continue_sources(known: Known, sources: Array, places: Array, backward: Array, tileable: bool) -> Array:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.ndimage import map_coordinates
 
 from jaxtex.synthesis.anisometric import Transition, make_frames, sample_sources, synthesise_anisometric
-from jaxtex.synthesis.anisometric_pass import Given, Known, decide_all
+from jaxtex.synthesis.anisometric_pass import Given, Known, decide_all, order_pixels
 from jaxtex.synthesis.exemplars import analyse_levels, neighbourhood_taps, neighbourhood_weights
 
 KEY = jax.random.key(0)
@@ -64,16 +64,18 @@ def test_a_pass_decides_as_a_plain_loop_does(seed: int, tileable: bool, everywhe
     frames = make_frames(rng.uniform(0.6, 1.6, (7, 9)), rng.uniform(-1, 1, (7, 9)))
     values = rng.random((20, 22)).astype(np.float32), rng.random((7, 9)).astype(np.float32)
     wanted = Given(frames, rng.random((7, 9, 0)).astype(np.float32), values)
+    some = rng.random((7, 9)) < 0.8
     sources = rng.uniform(2, 17, (7, 9, 2)).astype(np.float32)
-    got = np.asarray(decide_all(known, wanted, sources, np.float32(0.4), 2, everywhere, tileable))
-    expected = decide_plainly(known, wanted, sources, 0.4, 2, everywhere, tileable)
+    got = np.asarray(decide_all(known, wanted, sources, np.float32(0.4), *order_pixels(some), 2, everywhere, tileable))
+    expected = decide_plainly(known, wanted, sources, some, 2, everywhere, tileable)
     same = np.abs(got - expected).max(axis=-1) < 1e-3
     assert same.mean() > 0.95  # but for near ties
 
 
 def decide_plainly(
-    known: Known, wanted: Given, sources: np.ndarray, tolerance: float, radius: int, everywhere: bool, tileable: bool
+    known: Known, wanted: Given, sources: np.ndarray, some: np.ndarray, radius: int, everywhere: bool, tileable: bool
 ) -> np.ndarray:
+    tolerance = 0.4
     sources = sources.copy()
     rows, columns = sources.shape[:2]
     ends = np.array(known.valid.shape) - 1
@@ -81,9 +83,9 @@ def decide_plainly(
     basis, features = np.asarray(known.basis), np.asarray(known.features).reshape(*known.valid.shape, -1)
     for first in ((0, 0), (1, 1), (0, 1), (1, 0)):
         before = sources.copy()
-        for row in range(first[0], rows + rows % 2, 2):
-            for column in range(first[1], columns + columns % 2, 2):
-                at = np.array([min(row, rows - 1), min(column, columns - 1)])
+        for row in range(first[0], rows, 2):
+            for column in range(first[1], columns, 2):
+                at = np.array([row, column])
                 frame, value = wanted.frames[tuple(at)], wanted.transition[1][tuple(at)]
                 places = at + taps @ frame.T
                 pixels = np.rint(places).astype(int)
@@ -132,7 +134,8 @@ def decide_plainly(
                     far = np.where(usable, np.square(features - feature).sum(axis=-1), np.inf)
                     if 2 * far.min() < least:
                         best = np.array(np.unravel_index(far.argmin(), far.shape))
-                sources[tuple(at)] = best
+                if some[row, column]:
+                    sources[row, column] = best
     return sources
 
 
