@@ -147,6 +147,16 @@ if TYPE_CHECKING:
     from jaxtex.photo.segment import colour_mask as colour_mask
     from jaxtex.photo.segment import pick_colours as pick_colours
     from jaxtex.photo.segment import threshold_mask as threshold_mask
+    from jaxtex.progressive.fields import orientation_field as orientation_field
+    from jaxtex.progressive.fields import scale_field as scale_field
+    from jaxtex.progressive.fields import transition_field as transition_field
+    from jaxtex.progressive.key_files import FieldKeys as FieldKeys
+    from jaxtex.progressive.key_files import make_field as make_field
+    from jaxtex.progressive.key_files import read_keys as read_keys
+    from jaxtex.progressive.keys import FieldKey as FieldKey
+    from jaxtex.progressive.varying import VaryingTexture as VaryingTexture
+    from jaxtex.progressive.varying import read_varying as read_varying
+    from jaxtex.progressive.varying import write_varying as write_varying
     from jaxtex.synthesis.ashikhmin import ashikhmin_steps as ashikhmin_steps
     from jaxtex.synthesis.ashikhmin import synthesise_ashikhmin as synthesise_ashikhmin
     from jaxtex.synthesis.coherence import coherence_steps as coherence_steps
@@ -286,6 +296,16 @@ _PUBLIC = {
     # things of a picture -> a composition of them
     "learn_arrangement": "jaxtex.particles.arrangement",
     "seed_composition": "jaxtex.particles.seeding",
+    "orientation_field": "jaxtex.progressive.fields",
+    "scale_field": "jaxtex.progressive.fields",
+    "transition_field": "jaxtex.progressive.fields",
+    "FieldKeys": "jaxtex.progressive.key_files",
+    "make_field": "jaxtex.progressive.key_files",
+    "read_keys": "jaxtex.progressive.key_files",
+    "FieldKey": "jaxtex.progressive.keys",
+    "VaryingTexture": "jaxtex.progressive.varying",
+    "read_varying": "jaxtex.progressive.varying",
+    "write_varying": "jaxtex.progressive.varying",
     "find_particles": "jaxtex.particles.segmentation",
     "pick_particles": "jaxtex.particles.picking",
     "Polygon": "jaxtex.particles.scissors",

@@ -5,8 +5,10 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+import jax
 import numpy as np
 import pytest
+from scipy import ndimage
 
 import jaxtex as jt
 from jaxtex.io.meshes import Mesh, read_mesh, write_mesh
@@ -204,3 +206,35 @@ def test_a_row_shows_things_outlined_and_arranged_anew(script: ModuleType, monke
     assert ground.min() > 0.5
     assert np.mean(new < 0.5) == pytest.approx(things.mean(), rel=0.3)
     assert said[:3] == ["9", "9", "1"]
+
+
+@pytest.mark.parametrize("script", ["reaction_diffusion"], indirect=True)
+def test_coats_have_the_elements_that_their_masks_say(script: ModuleType) -> None:
+    key = jax.random.key(3)
+    leopard, tiger = script.grow_leopard(key), script.grow_tiger(key)
+    for coat, labels in ((leopard, 3), (tiger, 2)):
+        assert coat.pixels.shape == (script.SIZE, script.SIZE, 3)
+        assert coat.pixels.dtype == np.float32
+        assert 0 <= coat.pixels.min() < coat.pixels.max() <= 1
+        shares = np.bincount(coat.mask.ravel(), minlength=labels) / coat.mask.size
+        assert len(shares) == labels
+        assert shares.min() > 0.1
+        light = coat.pixels.mean(axis=2)
+        dark = coat.mask == labels - 1
+        assert light[dark].mean() < 0.3 * light[~dark].mean()
+    assert ndimage.label(leopard.mask > 0)[1] > 15  # rosettes that lie apart
+    # What is inside is nearer to rims than what is between.
+    to_rim = ndimage.distance_transform_edt(leopard.mask != 2)
+    assert to_rim[leopard.mask == 1].mean() < to_rim[leopard.mask == 0].mean()
+    down, across = (np.mean(np.diff(tiger.mask.astype(int), axis=axis) != 0) for axis in (0, 1))
+    assert down < 0.5 * across
+    assert not np.array_equal(tiger.mask, script.grow_tiger(jax.random.key(4)).mask)
+
+
+@pytest.mark.parametrize("script", ["reaction_diffusion"], indirect=True)
+def test_coats_repeat_at_their_borders(script: ModuleType) -> None:
+    for coat in (script.grow_leopard(jax.random.key(0)), script.grow_tiger(jax.random.key(0))):
+        for axis in (0, 1):
+            steps = np.abs(np.diff(coat.pixels, axis=axis, append=coat.pixels.take([0], axis))).mean(axis=2)
+            seam = steps.take(-1, axis).mean()
+            assert seam < 1.5 * steps.mean()
