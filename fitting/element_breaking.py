@@ -3,7 +3,8 @@
     python fitting/element_breaking.py FOLDER -o OUT
 
 FOLDER holds pictures made of things. OUT/breaking.png has a row for each: the picture, what is told as its elements,
-and what is made of it, without and with mask. OUT/breaking.md says how far the elements' areas, and their perimeter²
+and what is made of it, without mask and with: alike everywhere, and larger from left to right, from 0.6 to 1.7 times.
+OUT/breaking.md says how far the elements' areas (over the square of the scale where they are), and their perimeter²
 over area, are from the exemplar's: Wasserstein distances in octaves, means of some seeds. One half of the exemplar
 against the other tells how far apart such distributions are by chance.
 """
@@ -24,7 +25,8 @@ from tables import make_table
 import jaxtex as jt
 from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
 from jaxtex.io.files import atomic_write_text, prepare_folder
-from jaxtex.progressive.masked import synthesise_masked
+from jaxtex.progressive.masked import mark_elements
+from jaxtex.synthesis.anisometric import make_frames, sample_sources, synthesise_anisometric
 from jaxtex.synthesis.coherence import synthesise_coherence
 
 PICTURES = (
@@ -40,6 +42,7 @@ PICTURES = (
     "gravel_gray_sk.png",
 )
 LARGEST = 384  # pixels along either side of what is learnt from
+SPAN = 0.53  # natural logarithm of how much larger than the exemplar's things become
 CLEARLY = 0.9  # of the distances without mask
 
 Bools = npt.NDArray[np.bool_]
@@ -57,23 +60,37 @@ def find_mask(path: Path, pixels: np.ndarray, cache: Path | None) -> Bools:
 
 
 def compare(picture: np.ndarray, mask: Bools, seeds: int) -> tuple[list[np.ndarray], np.ndarray, int]:
-    """Cells of the sheet; distances of areas and of compactness, without mask, with, and by chance, [3, 2]; and how
-    many whole elements the exemplar has."""
+    """Cells of the sheet; distances of areas and of compactness, without mask and with it, alike everywhere and of
+    several scales, and by chance, [5, 2]; and how many whole elements the exemplar has."""
     classes = learn_classes(picture, mask)
     own = find_elements(picture, classes)
     encoded = linear_to_srgb(picture)
-    cells, apart = [encoded, own.mask[..., None].astype(np.float32)], np.zeros((seeds, 2, 2))
+    cells, apart = [encoded, own.mask[..., None].astype(np.float32)], np.zeros((seeds, 4, 2))
+    alike = np.ones(mask.shape)
+    scale = np.exp(np.linspace(-SPAN, SPAN, mask.shape[1]))[None].repeat(mask.shape[0], axis=0)
+    marked = mark_elements(encoded, mask)
     for seed in range(seeds):
-        key, shape = jax.random.key(seed), mask.shape
-        both = synthesise_coherence(encoded, shape, key=key), synthesise_masked(encoded, mask, shape, key=key)
-        for number, sources in enumerate(both):
-            made = picture[sources[..., 0], sources[..., 1]]
-            apart[seed, number] = measure_apart(find_elements(made, classes), own)
-            if seed == 0:
-                cells.append(linear_to_srgb(made))
+        number = 0
+        for field in (alike, scale):
+            for exemplar in (encoded, marked):
+                made = synthesise(exemplar, picture, field, seed)
+                apart[seed, number] = measure_apart(find_elements(made, classes, field), own)
+                number += 1
+                if seed == 0:
+                    cells.append(linear_to_srgb(np.maximum(made, 0)))
     half = picture.shape[1] // 2
     chance = measure_apart(find_elements(picture[:, :half], classes), find_elements(picture[:, half:], classes))
     return cells, np.array([*apart.mean(axis=0), chance]), len(own.areas)
+
+
+def synthesise(exemplar: np.ndarray, picture: np.ndarray, scale: np.ndarray, seed: int) -> np.ndarray:
+    """A picture as large as an exemplar, made of another one with the exemplar's sources."""
+    key = jax.random.key(seed)
+    if np.ptp(scale) == 0:
+        sources = synthesise_coherence(exemplar, scale.shape, key=key)
+        return picture[sources[..., 0], sources[..., 1]]
+    flat = np.zeros_like(scale)
+    return sample_sources(picture, synthesise_anisometric(exemplar, scale, flat, key=key), make_frames(scale, flat))
 
 
 def fit_in(picture: np.ndarray) -> np.ndarray:
@@ -91,22 +108,25 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("--cache", type=Path, metavar="FOLDER", help="where masks are kept, to be found only once")
     options = parser.parse_args(words)
     prepare_folder(options.output)
-    rows, lines, closer = [], [], 0
+    rows, lines, closer = [], [], np.zeros(2, int)
     for name in options.only:
         pixels = jt.read_image(options.folder / name).pixels
         mask = find_mask(options.folder / name, pixels, options.cache)
         inside = slice(LARGEST), slice(LARGEST)
         cells, apart, count = compare(pixels[inside], mask[inside], options.seeds)
         rows.append(np.concatenate([fit_in(each) for each in cells], axis=1))
-        ratio = float(np.sqrt(np.prod(apart[1] / apart[0])))
-        closer += ratio < CLEARLY
-        lines.append(
-            [name, str(count), *(f"{plain:.3f} / {masked:.3f} / {chance:.3f}" for plain, masked, chance in apart.T)]
-        )
-        lines[-1].append(f"{ratio:.2f}")
+        ratios = [float(np.sqrt(np.prod(apart[n + 1] / apart[n]))) for n in (0, 2)]
+        closer += np.array(ratios) < CLEARLY
+        told = (f"{a:.3f} {b:.3f}" for n in (0, 2) for a, b in apart[n : n + 2].T)
+        lines.append([name, str(count), *told, " ".join(f"{each:.3f}" for each in apart[4])])
+        lines[-1] += [f"{ratio:.2f}" for ratio in ratios]
         print(" ".join(lines[-1]), flush=True)
-    head = ("picture", "elements", "areas: plain / mask / halves", "perimeter²/area: the same", "mask / plain")
-    told = f"With mask, {closer} of {len(lines)} are clearly closer: below {CLEARLY} in the mean of both."
+    both = "areas: plain, mask", "shapes: plain, mask"
+    head = ("picture", "elements", *both, *(f"scaled {each}" for each in both), "halves", "mask/plain", "scaled")
+    told = (
+        f"With mask, {closer[0]} of {len(lines)} are clearly closer, and {closer[1]} of those that are scaled: below "
+        f"{CLEARLY} in the mean of both."
+    )
     table = make_table(head, lines)
     atomic_write_text(options.output / "breaking.md", f"# Elements, with mask and without\n\n{table}\n\n{told}\n")
     print(f"{table}\n{told}")

@@ -67,28 +67,31 @@ def learn_classes(picture: Floats, mask: npt.NDArray[np.bool_]) -> Classes:
     return Classes(centres, np.nan_to_num(share) > 0.5, _SPECK * float(np.median(areas)))
 
 
-def find_elements(picture: Floats, classes: Classes) -> Elements:
-    """The elements of a picture, those that touch parted where they are narrow."""
+def find_elements(picture: Floats, classes: Classes, scale: Floats | None = None) -> Elements:
+    """The elements of a picture, those that touch parted where they are narrow.
+
+    Args:
+        picture: linear light [row, col, channel].
+        classes: of its exemplar.
+        scale: how many times as large as there things are, [row, col]; areas are as they would be there.
+    """
     mask = ndimage.median_filter(classes.element[_nearest(_features(picture), classes.centres)], 3)
     speck = max(1, int(classes.speck))
     mask = remove_small_objects(~remove_small_objects(~mask, max_size=speck), max_size=speck)
     whole = regionprops(clear_border(split_touching(mask)))
-    whole = [each for each in whole if each.area > speck]
-    areas = np.array([each.area for each in whole], float)
-    around = np.array([each.perimeter_crofton for each in whole], float)
-    return Elements(areas, around**2 / np.maximum(areas, 1), mask)
+    times = [1.0 if scale is None else float(scale[tuple(each.coords.T)].mean()) for each in whole]
+    told = [
+        (each.area / size**2, each.perimeter_crofton**2 / each.area) for each, size in zip(whole, times, strict=True)
+    ]
+    areas, compactness = np.array([each for each in told if each[0] > speck], float).reshape(-1, 2).T
+    return Elements(areas, compactness, mask)
 
 
-def measure_apart(one: Elements, other: Elements, scale: float = 1.0) -> tuple[float, float]:
-    """Wasserstein distances between areas, and between perimeter² over area, both in octaves.
-
-    Args:
-        one, other: elements of a texture and of its exemplar.
-        scale: how many times as large as in the exemplar things are to be in the texture.
-    """
+def measure_apart(one: Elements, other: Elements) -> tuple[float, float]:
+    """Wasserstein distances between areas, and between perimeter² over area, both in octaves."""
     if not (len(one.areas) and len(other.areas)):
         return np.inf, np.inf
-    areas = wasserstein_distance(np.log2(one.areas), np.log2(other.areas * scale**2))
+    areas = wasserstein_distance(np.log2(one.areas), np.log2(other.areas))
     return float(areas), float(wasserstein_distance(np.log2(one.compactness), np.log2(other.compactness)))
 
 

@@ -100,6 +100,8 @@ def _start_coherence(
     from jaxtex.synthesis.coherence import coherence_steps
     from jaxtex.synthesis.guides import GUIDE_WEIGHT
 
+    if options.texton_mask is not None:
+        exemplar = mark_with_mask(options.texton_mask, exemplar)
     if options.guide is None:
         return coherence_steps(exemplar, _shape_of(size, exemplar), key=key, radius=radius)
     guides = [read_image(path) for path in options.guide]
@@ -120,6 +122,18 @@ def _start_coherence(
         guides=(ours, theirs),
         guide_weight=options.guide_weight or GUIDE_WEIGHT,
     )
+
+
+def mark_with_mask(path: Path, exemplar: "np.ndarray") -> "np.ndarray":
+    """An exemplar with the texton mask of a file as further channels.
+
+    Raises:
+        InputError: no such mask, or one of another size, with one value or more than four.
+    """
+    from jaxtex.progressive.masked import mark_elements
+    from jaxtex.progressive.texton_masks import read_texton_mask
+
+    return mark_elements(exemplar, read_texton_mask(path, (exemplar.shape[1], exemplar.shape[0])))
 
 
 def _start_ashikhmin(

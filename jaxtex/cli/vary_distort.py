@@ -30,6 +30,8 @@ class VaryDistort:
 
     Example: jaxtex vary distort reptile.png -o skin.png --keys skin.toml --save skin.npz
 
+    Example: jaxtex vary distort coins.png -o piles.png --size 768x256 --scale size.exr --texton-mask coins_mask.png
+
     Example: jaxtex vary distort bricks.png -o slanted.png --orientation 30 --scale 0.5
     """
 
@@ -47,6 +49,9 @@ class VaryDistort:
     in which the exemplar's rows are to run, y down (.exr, of numbers from -1 to 1). By default 0."""
     keys: Annotated[Path | None, tyro.conf.arg(metavar="KEYS.toml", help_behavior_hint="")] = None
     """Keys of scale and orientation, as `jaxtex field` takes them."""
+    texton_mask: Annotated[Path | None, tyro.conf.arg(metavar="MASK", help_behavior_hint="")] = None
+    """A mask of the exemplar's size that marks its elements, so that these do not break: two to four values, each for
+    one type of element or the ground."""
     tileable: bool = False
     """Make it repeat seamlessly; the fields must do so, too."""
     neighborhood: int = 7
@@ -71,7 +76,10 @@ class VaryDistort:
         angles = _angles_of(orientation)
         sources = self._synthesise(image, scale, angles)
         frames = make_frames(scale, angles)
-        self._write(image, sample_sources(_with_alpha(image), sources, frames), scale, orientation)
+        made = sample_sources(_with_alpha(image), sources, frames)
+        self._write(image, made)
+        if self.save is not None:
+            self._save(made[..., : image.pixels.shape[2]], sources, scale, orientation)
         print(f"{self.output}: {size[0]} x {size[1]} pixels" + (", tileable" if self.tileable else ""))
         return 0
 
@@ -82,7 +90,12 @@ class VaryDistort:
             raise InputError(f"--neighborhood: {self.neighborhood} is none; give an odd number from 3 to 21, as 5 or 7")
         if self.keys is not None and (self.scale is not None or self.orientation is not None):
             raise InputError("--keys: tells scale and orientation already; leave out --scale and --orientation")
-        inputs = [self.exemplar, self.keys, *(Path(word) for word in (self.scale, self.orientation) if word)]
+        inputs = [
+            self.exemplar,
+            self.keys,
+            self.texton_mask,
+            *(Path(word) for word in (self.scale, self.orientation) if word),
+        ]
         for output in (self.output, self.save):
             if output is not None and output.resolve() in [each.resolve() for each in inputs if each]:
                 raise InputError(f"{output}: would be written over, and is read; give another name")
@@ -93,19 +106,32 @@ class VaryDistort:
         import numpy as np
 
         from jaxtex.progressive.fields import orientation_field, scale_field
+        from jaxtex.progressive.key_files import make_field, read_keys
 
         if self.keys is not None:
-            return _fields_of_keys(self.keys, size)
+            keys = read_keys(self.keys)
+            if not (len(keys.scale) or len(keys.orientation)):
+                raise InputError(f"{self.keys}: has no keys of scale or orientation; give one at least")
+            try:
+                return (
+                    make_field(keys, "scale", size) if len(keys.scale) else np.ones(size[::-1], np.float32),
+                    make_field(keys, "orientation", size) if len(keys.orientation) else _direction(0, size),
+                )
+            except InputError as error:
+                raise InputError(f"{self.keys}: {error}") from None
         scale, degrees = _number(self.scale or "1"), _number(self.orientation or "0")
+        if scale is not None and not scale > 0:
+            raise InputError(f"--scale: {scale:g} is out of range; give a number above 0")
+        if degrees is not None and not np.isfinite(degrees):
+            raise InputError(f"--orientation: {degrees:g} is no direction; give degrees")
         sizes = _read_map("--scale", self.scale, 1)[..., 0] if scale is None else np.full((1, 1), scale)
-        turns = _read_map("--orientation", self.orientation, 2) if degrees is None else _direction(degrees)
+        turns = _read_map("--orientation", self.orientation, 2) if degrees is None else _direction(degrees, (1, 1))
         return scale_field(sizes, size), orientation_field(turns, size)
 
     def _check_neighbourhoods(self, image: "Image", least: float, most: float) -> None:
         if least < _LEAST_SCALE or most > _MOST_SCALE:
             raise InputError(
-                f"scale: goes from {least:g} to {most:g}; things can be from {_LEAST_SCALE} to {_MOST_SCALE:g} times as "
-                "large as in the exemplar"
+                f"scale: goes from {least:g} to {most:g}; give values from {_LEAST_SCALE} to {_MOST_SCALE:g}"
             )
         if min(image.width, image.height) < self.neighborhood:
             raise InputError(
@@ -116,11 +142,12 @@ class VaryDistort:
     def _synthesise(self, image: "Image", scale: "np.ndarray", angles: "np.ndarray") -> "np.ndarray":
         import jax
 
-        from jaxtex.cli.synth_methods import encode
+        from jaxtex.cli.synth_methods import encode, mark_with_mask
         from jaxtex.synthesis.anisometric import anisometric_steps
 
+        exemplar = encode(image.pixels, image.alpha)
         steps = anisometric_steps(
-            encode(image.pixels, image.alpha),
+            exemplar if self.texton_mask is None else mark_with_mask(self.texton_mask, exemplar),
             scale,
             angles,
             key=jax.random.key(self.seed),
@@ -132,22 +159,31 @@ class VaryDistort:
                 report(step.done, step.total)
         return step.sources
 
-    def _write(self, image: "Image", made: "np.ndarray", scale: "np.ndarray", orientation: "np.ndarray") -> None:
+    def _write(self, image: "Image", made: "np.ndarray") -> None:
         import numpy as np
 
         from jaxtex.io.copies import write_as_deep
         from jaxtex.io.raster import read_raster
-        from jaxtex.progressive.varying import VaryingTexture, write_varying
 
-        channels = image.pixels.shape[2]
-        if made.shape[2] > channels:
+        if image.alpha is not None:
             cover = made[..., -1:]
             colours = np.divide(made[..., :-1], cover, out=np.zeros_like(made[..., :-1]), where=cover > 0)
             made = np.concatenate([colours, cover], axis=2)
         write_as_deep(read_raster(self.exemplar), self.output, made)
-        if self.save is not None:
-            write_varying(self.save, VaryingTexture.of(made[..., :channels], orientation=orientation, scale=scale))
-            print(f"{self.save}: texture, scale and orientation")
+
+    def _save(self, made: "np.ndarray", sources: "np.ndarray", scale: "np.ndarray", orientation: "np.ndarray") -> None:
+        import numpy as np
+
+        from jaxtex.progressive.texton_masks import read_texton_mask
+        from jaxtex.progressive.varying import VaryingTexture, write_varying
+
+        mask = None
+        if self.texton_mask is not None:
+            row, column = np.moveaxis(np.rint(sources).astype(int), -1, 0)
+            mask = read_texton_mask(self.texton_mask)[row, column]
+        assert self.save is not None
+        write_varying(self.save, VaryingTexture.of(made, mask=mask, orientation=orientation, scale=scale))
+        print(f"{self.save}: texture, {'mask, ' if mask is not None else ''}scale and orientation")
 
 
 def _number(word: str) -> float | None:
@@ -157,11 +193,11 @@ def _number(word: str) -> float | None:
         return None
 
 
-def _direction(degrees: float) -> "np.ndarray":
+def _direction(degrees: float, size: tuple[int, int]) -> "np.ndarray":
     import numpy as np
 
     angle = np.radians(degrees)
-    return np.array([[[np.cos(angle), np.sin(angle)]]])
+    return np.broadcast_to([np.cos(angle), np.sin(angle)], (*size[::-1], 2))
 
 
 def _angles_of(orientation: "np.ndarray") -> "np.ndarray":

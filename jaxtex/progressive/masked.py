@@ -19,7 +19,7 @@ from scipy.ndimage import distance_transform_edt
 
 from jaxtex.synthesis.coherence import coherence_steps
 from jaxtex.synthesis.guides import weigh_guides
-from jaxtex.synthesis.neighbourhoods import check_exemplar
+from jaxtex.synthesis.neighbourhoods import check_picture
 from jaxtex.synthesis.sources import Sources, Step, last_of
 
 MASK_WEIGHT = 1.0
@@ -75,12 +75,30 @@ def masked_steps(
     mask_weight: float = MASK_WEIGHT,
 ) -> Iterator[Step]:
     """The same step by step, with the source map so far, from coarse to fine."""
-    pixels = check_exemplar(exemplar, radius)
-    depths = measure_depths(mask)
+    return coherence_steps(mark_elements(exemplar, mask, mask_weight), shape, key=key, radius=radius)
+
+
+def mark_elements(exemplar: npt.ArrayLike, mask: npt.ArrayLike, mask_weight: float = MASK_WEIGHT) -> Floats:
+    """An exemplar with its mask as further channels, as `synthesise_anisometric` takes it, too.
+
+    Args:
+        exemplar, mask, mask_weight: as in `synthesise_masked`.
+
+    Returns:
+        float32 [row, col, channel].
+
+    Raises:
+        ValueError: as `synthesise_masked`.
+
+    Examples:
+        >>> grain = np.random.default_rng(0).random((40, 40, 3))
+        >>> mark_elements(grain, grain[..., 0] > 0.5).shape
+        (40, 40, 4)
+    """
+    pixels, depths = check_picture(exemplar, "exemplar"), measure_depths(mask)
     if depths.shape[:2] != pixels.shape[:2]:
         raise ValueError(f"mask of shape {depths.shape[:2]}: give the exemplar's, {pixels.shape[:2]}")
-    marked, _ = weigh_guides(pixels, (depths, depths), depths.shape[:2], mask_weight)
-    return coherence_steps(marked, shape, key=key, radius=radius)
+    return weigh_guides(pixels, (depths, depths), depths.shape[:2], mask_weight)[0]
 
 
 def measure_depths(mask: npt.ArrayLike) -> Floats:

@@ -145,6 +145,9 @@ def anisometric_steps(
     own = make_frames(*exemplar_frames) if exemplar_frames is not None else None
     if own is not None and own.shape[:2] != pixels.shape[:2]:
         raise ValueError(f"exemplar_frames of shape {own.shape[:2]}: give the exemplar's, {pixels.shape[:2]}")
+    if own is not None:  # neighbourhoods grow with things (section 5.2): as large as told where these are as usual
+        usual = np.median(np.sqrt(np.linalg.det(own)))
+        own, frames = own / usual, frames / usual
     if similar < 0:
         raise ValueError(f"similar: {similar} is below 0")
     pixels, guide = weigh_guides(pixels, guides, frames.shape[:2], guide_weight)
@@ -243,21 +246,19 @@ class _Stage(NamedTuple):
     everywhere: bool
 
 
-def _plan_stages(coarsest: int, frames: list[Floats], own: Floats | None, search: Search) -> list[_Stage]:
+def _plan_stages(coarsest: int, frames: list[Floats], search: Search) -> list[_Stage]:
     """Each pixel is decided where those of the texture and of the exemplar are about as large as one another: what is
     larger in the texture, at coarser resolutions of it.
 
     Args:
         coarsest: resolution of the exemplar.
         frames: of the texture at full exemplar resolution, from its full resolution to its coarsest.
-        own: of the exemplar.
         search: as in `synthesise_anisometric`.
     """
-    usual = 1.0 if own is None else np.median(np.sqrt(np.abs(np.linalg.det(own))))
     stages = []
     for texture in reversed(range(len(frames))):
         # Where things would be as large as in the exemplar if this were as many octaves coarser.
-        alike = -np.rint(np.log2(np.sqrt(np.abs(np.linalg.det(frames[texture]))) / usual)).astype(int)
+        alike = -np.rint(0.5 * np.log2(np.linalg.det(frames[texture]))).astype(int)
         if texture == 0:
             alike = np.minimum(alike, coarsest)
         for exemplar in reversed(range(coarsest + 1)):
@@ -283,14 +284,15 @@ def _refine(
     for _ in levels[1:]:
         ours.append(_halve(ours[-1][..., None])[..., 0])
     givens = [given]
-    deep = len(levels) - 1 + max(0, round(float(np.log2(np.sqrt(np.linalg.det(given.frames)).max()))))
+    deep = len(levels) - 1 + max(0, round(0.5 * float(np.log2(np.linalg.det(given.frames).max()))))
     while len(givens) <= deep and min(givens[-1].frames.shape[:2]) >= 2 * _LEAST_SIDE:
         givens.append(_halve_given(givens[-1]))
-    stages = _plan_stages(len(levels) - 1, [each.frames for each in givens], own, search)
+    stages = _plan_stages(len(levels) - 1, [each.frames for each in givens], search)
     total, done = sum(stage.passes for stage in stages), 0
     at = len(givens) - 1
     sources = lay_pieces(levels[-1], _see(givens[at], ours[-1], len(levels) - 1), tolerance, key, radius, tileable)
     sources = _rescale(sources, len(levels) - 1)
+    yield AnisometricStep(0, total, _magnify(sources, at, given.frames, own, levels[0].valid.shape))
     for stage in stages:
         while at > stage.texture:
             at -= 1
@@ -306,7 +308,6 @@ def _refine(
             done += 1
             sources = np.where(stage.open[..., None], _rescale(there, stage.exemplar), sources)
             yield AnisometricStep(done, total, _magnify(sources, at, given.frames, own, levels[0].valid.shape))
-    yield AnisometricStep(total, total, _magnify(sources, at, given.frames, own, levels[0].valid.shape))
 
 
 def _halve(field: Floats) -> Floats:
@@ -317,7 +318,8 @@ def _halve_given(given: Given) -> Given:
     """What is wanted at half the resolution; a step of the texture is then two of the exemplar."""
     frames = halve_frames(given.frames)
     assert frames is not None
-    return Given(frames / 2, _halve(given.guide), (given.transition[0], _halve(given.transition[1][..., None])[..., 0]))
+    transition = given.transition[0], _halve(given.transition[1][..., None])[..., 0]
+    return Given(np.float32(0.5) * frames, _halve(given.guide), transition)
 
 
 def _see(given: Given, ours: Floats, octaves: int) -> Given:

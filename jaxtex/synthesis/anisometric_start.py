@@ -32,7 +32,7 @@ def lay_pieces(level: ExemplarLevel, given: Given, tolerance: float, key: Array,
     block = _GUIDED_BLOCK if given.guide.shape[2] else _BLOCK
     sources, laid = np.zeros((*shape, 2), np.float32), np.zeros(shape, bool)
     shifts = _pixels(-_SHIFT, _SHIFT + 1, -_SHIFT, _SHIFT + 1)
-    for top, bottom, left, after in _part(np.sqrt(np.abs(np.linalg.det(given.frames))), block):
+    for top, bottom, left, after in _part(np.sqrt(np.linalg.det(given.frames)), block):
         middle = (top + bottom - 1) // 2, (left + after - 1) // 2
         inside = _pixels(top, bottom, left, after)
         around = _pixels(top - radius, bottom + radius, left - radius, after + radius)
