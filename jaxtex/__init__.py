@@ -154,6 +154,14 @@ if TYPE_CHECKING:
     from jaxtex.progressive.key_files import make_field as make_field
     from jaxtex.progressive.key_files import read_keys as read_keys
     from jaxtex.progressive.keys import FieldKey as FieldKey
+    from jaxtex.progressive.mask_proposal import propose_texton_mask as propose_texton_mask
+    from jaxtex.progressive.plots import overlay_texton_mask as overlay_texton_mask
+    from jaxtex.progressive.plots import plot_orientation as plot_orientation
+    from jaxtex.progressive.plots import plot_scalar as plot_scalar
+    from jaxtex.progressive.texton_masks import ColourPick as ColourPick
+    from jaxtex.progressive.texton_masks import pick_texton_mask as pick_texton_mask
+    from jaxtex.progressive.texton_masks import read_texton_mask as read_texton_mask
+    from jaxtex.progressive.texton_masks import write_texton_mask as write_texton_mask
     from jaxtex.progressive.varying import VaryingTexture as VaryingTexture
     from jaxtex.progressive.varying import read_varying as read_varying
     from jaxtex.progressive.varying import write_varying as write_varying
@@ -303,6 +311,14 @@ _PUBLIC = {
     "make_field": "jaxtex.progressive.key_files",
     "read_keys": "jaxtex.progressive.key_files",
     "FieldKey": "jaxtex.progressive.keys",
+    "propose_texton_mask": "jaxtex.progressive.mask_proposal",
+    "overlay_texton_mask": "jaxtex.progressive.plots",
+    "plot_orientation": "jaxtex.progressive.plots",
+    "plot_scalar": "jaxtex.progressive.plots",
+    "ColourPick": "jaxtex.progressive.texton_masks",
+    "pick_texton_mask": "jaxtex.progressive.texton_masks",
+    "read_texton_mask": "jaxtex.progressive.texton_masks",
+    "write_texton_mask": "jaxtex.progressive.texton_masks",
     "VaryingTexture": "jaxtex.progressive.varying",
     "read_varying": "jaxtex.progressive.varying",
     "write_varying": "jaxtex.progressive.varying",

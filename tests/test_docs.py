@@ -28,7 +28,7 @@ def test_the_commands_in_the_readme_are_there() -> None:
     from jaxtex.cli.main import COMMANDS
 
     shown = set(
-        re.findall(r"^    jaxtex (\w+(?: tiling| wood)?)", (ROOT / "README.md").read_text(encoding="utf-8"), re.M)
+        re.findall(r"^    jaxtex (\w[\w-]*(?: tiling| wood)?)", (ROOT / "README.md").read_text(encoding="utf-8"), re.M)
     )
     assert {"fit tiling", "fit wood", "render", "info", "demo"} <= shown
     assert shown <= {command.words for command in COMMANDS} | {command.words.split()[0] for command in COMMANDS}

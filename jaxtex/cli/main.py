@@ -49,6 +49,10 @@ COMMANDS = (
         "make a texture whose things change in size and direction",
     ),
     Command("compare", "jaxtex.cli.compare:Compare", "show what each method of synth makes of a picture, on one sheet"),
+    Command("field", "jaxtex.cli.field:Field", "make a field over a picture from keys: scale, transition, orientation"),
+    Command(
+        "texton-mask", "jaxtex.cli.texton_mask:TextonMask", "mark the elements of a texture, by colours or painted"
+    ),
     Command("solid", "jaxtex.cli.solid:Solid", "make a block of voxels whose slices look like pictures of a material"),
     Command("solid-slice", "jaxtex.cli.solid_slice:SolidSlice", "show a block: a slice, an oblique cut, or all of it"),
     Command("carve", "jaxtex.cli.carve:Carve", "carve a mesh of a block: a colour to each vertex"),

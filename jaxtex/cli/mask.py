@@ -2,7 +2,6 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -285,6 +284,7 @@ def _lit(pixels: "np.ndarray", evenly: bool) -> "np.ndarray":
 
 def _write(output: Path, mask: "np.ndarray", overlay: Path | None, ground: "np.ndarray") -> int:
     """Write the mask and, where it is asked for, the overlay: both or neither."""
+    from jaxtex.cli.files import write_together
     from jaxtex.core.errors import InputError
     from jaxtex.io.images import write_image
     from jaxtex.io.masks import write_mask
@@ -296,20 +296,6 @@ def _write(output: Path, mask: "np.ndarray", overlay: Path | None, ground: "np.n
             raise InputError(f"{overlay}: is to be both the mask and the overlay; give them two names")
         picture = overlay_mask(ground, mask)
         writers[overlay] = lambda path: write_image(path, picture)
-    _write_together(writers)
+    write_together(writers)
     print(f"{output}: {mask.mean():.0%} tile, {1 - mask.mean():.0%} joint")
     return 0
-
-
-def _write_together(writers: "dict[Path, Callable[[Path], None]]") -> None:
-    """Write several files under temporary names; only when all are whole do they get their own."""
-    from jaxtex.core.errors import InputError
-    from jaxtex.io.files import replacing
-
-    with ExitStack() as files:
-        for path, write in writers.items():
-            temporary = files.enter_context(replacing(path))
-            try:
-                write(temporary)
-            except InputError as error:
-                raise InputError(str(error).replace(str(temporary), str(path))) from None

@@ -30,6 +30,31 @@ def parse_point(option: str, word: str) -> tuple[float, float]:
     return float(match[1]), float(match[2])
 
 
+def parse_pick(option: str, word: str) -> tuple[tuple[float, float], float, int]:
+    """Read "x,y", "x,y:tolerance" or "x,y:tolerance:type" of a colour picked.
+
+    Args:
+        option: the option's name, for the complaint.
+        word: what the user typed.
+
+    Returns:
+        the point in pixels, the tolerance in Lab (12 unless given), and the type (1 unless given).
+
+    Raises:
+        InputError: it is none of these.
+
+    Examples:
+        >>> parse_pick("--pick", "12.5,40:8")
+        ((12.5, 40.0), 8.0, 1)
+    """
+    match = re.fullmatch(rf"([^:]*)(?::\s*({_NUMBER})\s*(?::\s*([1-3])\s*)?)?", word)
+    if not match:
+        raise InputError(
+            f"{option}: '{word}' is no pick; write x,y:tolerance:type in pixels, Lab and 1 to 3, as in 40,31:12:1"
+        )
+    return parse_point(option, match[1]), float(match[2] or 12), int(match[3] or 1)
+
+
 def parse_vector(option: str, word: str) -> tuple[float, float, float]:
     """Read "x,y,z" in voxels.
 

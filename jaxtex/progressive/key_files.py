@@ -43,7 +43,9 @@ from jaxtex.progressive.keys import FieldKey, Place
 
 FieldKind = Literal["scale", "transition", "orientation"]
 
-_KINDS: tuple[FieldKind, ...] = ("scale", "transition", "orientation")
+KINDS: tuple[FieldKind, ...] = ("scale", "transition", "orientation")
+"""All of them."""
+
 _KEY = {"at", "stroke", "value"}
 _MAP = {"map", "low", "high"}
 
@@ -103,11 +105,11 @@ def read_keys(path: Path | str) -> FieldKeys:
         raise InputError(f"{path}: is not a text file; give a file of keys (keys.toml)") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: is no TOML ({error}); correct it there") from None
-    _check_names(f"{path}", document, {*_KINDS, "symmetric"})
+    _check_names(f"{path}", document, {*KINDS, "symmetric"})
     symmetric = document.get("symmetric", False)
     if not isinstance(symmetric, bool):
         raise InputError(f"{path}: symmetric is {symmetric!r}; give true or false")
-    given = {kind: _read_tables(path, kind, document.get(kind, []), symmetric) for kind in _KINDS}
+    given = {kind: _read_tables(path, kind, document.get(kind, []), symmetric) for kind in KINDS}
     return FieldKeys(**given, symmetric=symmetric)
 
 
