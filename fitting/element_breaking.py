@@ -25,9 +25,10 @@ from tables import make_table
 import jaxtex as jt
 from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
 from jaxtex.io.files import atomic_write_text, prepare_folder
-from jaxtex.progressive.masked import mark_elements
+from jaxtex.progressive.masked import mark_elements, synthesise_masked
 from jaxtex.synthesis.anisometric import make_frames, sample_sources, synthesise_anisometric
 from jaxtex.synthesis.coherence import synthesise_coherence
+from jaxtex.synthesis.sources import copy_sources
 
 PICTURES = (
     "pebbles_coloured.jpg",
@@ -41,7 +42,7 @@ PICTURES = (
     "terrazzo009.png",
     "gravel_gray_sk.png",
 )
-LARGEST = 384  # pixels along either side of what is learnt from
+LARGEST = 320  # pixels along either side of what is learnt from
 SPAN = 0.53  # natural logarithm of how much larger than the exemplar's things become
 CLEARLY = 0.9  # of the distances without mask
 
@@ -68,12 +69,11 @@ def compare(picture: np.ndarray, mask: Bools, seeds: int) -> tuple[list[np.ndarr
     cells, apart = [encoded, own.mask[..., None].astype(np.float32)], np.zeros((seeds, 4, 2))
     alike = np.ones(mask.shape)
     scale = np.exp(np.linspace(-SPAN, SPAN, mask.shape[1]))[None].repeat(mask.shape[0], axis=0)
-    marked = mark_elements(encoded, mask)
     for seed in range(seeds):
         number = 0
         for field in (alike, scale):
-            for exemplar in (encoded, marked):
-                made = synthesise(exemplar, picture, field, seed)
+            for with_mask in (False, True):
+                made = synthesise(picture, mask if with_mask else None, field, seed)
                 apart[seed, number] = measure_apart(find_elements(made, classes, field), own)
                 number += 1
                 if seed == 0:
@@ -83,12 +83,16 @@ def compare(picture: np.ndarray, mask: Bools, seeds: int) -> tuple[list[np.ndarr
     return cells, np.array([*apart.mean(axis=0), chance]), len(own.areas)
 
 
-def synthesise(exemplar: np.ndarray, picture: np.ndarray, scale: np.ndarray, seed: int) -> np.ndarray:
-    """A picture as large as an exemplar, made of another one with the exemplar's sources."""
-    key = jax.random.key(seed)
+def synthesise(picture: np.ndarray, mask: Bools | None, scale: np.ndarray, seed: int) -> np.ndarray:
+    """More of a picture, as large as it, with what `jaxtex synth` and `jaxtex vary distort` do by themselves."""
+    key, exemplar = jax.random.key(seed), linear_to_srgb(picture)
     if np.ptp(scale) == 0:
-        sources = synthesise_coherence(exemplar, scale.shape, key=key)
-        return picture[sources[..., 0], sources[..., 1]]
+        shape = scale.shape
+        if mask is None:
+            return copy_sources(picture, synthesise_coherence(exemplar, shape, key=key))
+        return copy_sources(picture, synthesise_masked(exemplar, mask, shape, key=key))
+    if mask is not None:
+        exemplar = mark_elements(exemplar, mask)
     flat = np.zeros_like(scale)
     return sample_sources(picture, synthesise_anisometric(exemplar, scale, flat, key=key), make_frames(scale, flat))
 

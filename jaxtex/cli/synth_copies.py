@@ -95,6 +95,8 @@ def _check_numbers(options: "Synth") -> None:
         raise InputError("--region: does not go with --guide; cut the exemplar and its guide out alike")
     if options.texton_mask is not None and options.region:
         raise InputError("--region: does not go with --texton-mask; cut the exemplar and its mask out alike")
+    if options.texton_mask is not None and options.guide is not None:
+        raise InputError("--guide: does not go with --texton-mask; give one of both")
     if options.inpaint is not None:
         for name in ("size", "region", "guide", "tileable", "texton_mask"):
             if getattr(options, name):

@@ -101,7 +101,7 @@ def _start_coherence(
     from jaxtex.synthesis.guides import GUIDE_WEIGHT
 
     if options.texton_mask is not None:
-        exemplar = mark_with_mask(options.texton_mask, exemplar)
+        return _start_masked(options.texton_mask, exemplar, _shape_of(size, exemplar), radius, key)
     if options.guide is None:
         return coherence_steps(exemplar, _shape_of(size, exemplar), key=key, radius=radius)
     guides = [read_image(path) for path in options.guide]
@@ -124,16 +124,14 @@ def _start_coherence(
     )
 
 
-def mark_with_mask(path: Path, exemplar: "np.ndarray") -> "np.ndarray":
-    """An exemplar with the texton mask of a file as further channels.
-
-    Raises:
-        InputError: no such mask, or one of another size, with one value or more than four.
-    """
-    from jaxtex.progressive.masked import mark_elements
+def _start_masked(
+    path: Path, exemplar: "np.ndarray", shape: tuple[int, int], radius: int, key: "Array"
+) -> Iterator["Step"]:
+    from jaxtex.progressive.masked import masked_steps
     from jaxtex.progressive.texton_masks import read_texton_mask
 
-    return mark_elements(exemplar, read_texton_mask(path, (exemplar.shape[1], exemplar.shape[0])))
+    mask = read_texton_mask(path, (exemplar.shape[1], exemplar.shape[0]))
+    return masked_steps(exemplar, mask, shape, key=key, radius=radius)
 
 
 def _start_ashikhmin(

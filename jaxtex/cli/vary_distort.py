@@ -142,12 +142,16 @@ class VaryDistort:
     def _synthesise(self, image: "Image", scale: "np.ndarray", angles: "np.ndarray") -> "np.ndarray":
         import jax
 
-        from jaxtex.cli.synth_methods import encode, mark_with_mask
+        from jaxtex.cli.synth_methods import encode
+        from jaxtex.progressive.masked import mark_elements
+        from jaxtex.progressive.texton_masks import read_texton_mask
         from jaxtex.synthesis.anisometric import anisometric_steps
 
         exemplar = encode(image.pixels, image.alpha)
+        if self.texton_mask is not None:
+            exemplar = mark_elements(exemplar, read_texton_mask(self.texton_mask, (image.width, image.height)))
         steps = anisometric_steps(
-            exemplar if self.texton_mask is None else mark_with_mask(self.texton_mask, exemplar),
+            exemplar,
             scale,
             angles,
             key=jax.random.key(self.seed),

@@ -6,8 +6,9 @@ along with the texture, and places are compared by both.
 
 Departures: at each place of the mask stands how far it is to the nearest border of an element rather than its label.
 So the least difference is between borders that are in almost the same place, coarse levels see elements that labels
-alone would average away, and it tells how large an element is from its middle. Mask and colours of a pixel come from
-one place of the exemplar, which is chosen by both at once, by `jaxtex.synthesis.coherence`.
+alone would average away, and it tells how large an element is from its middle. Mask and colours of a pixel come
+from one place of the exemplar, which is chosen by both at once. The search is that of `jaxtex.synthesis.anisometric`
+with all scales 1: it begins with pieces that fit what lies beside them, rather than with all parts of the exemplar.
 """
 
 from collections.abc import Iterator
@@ -17,9 +18,9 @@ import numpy.typing as npt
 from jax import Array
 from scipy.ndimage import distance_transform_edt
 
-from jaxtex.synthesis.coherence import coherence_steps
+from jaxtex.synthesis.anisometric import anisometric_steps
 from jaxtex.synthesis.guides import weigh_guides
-from jaxtex.synthesis.neighbourhoods import check_picture
+from jaxtex.synthesis.neighbourhoods import check_picture, check_shape
 from jaxtex.synthesis.sources import Sources, Step, last_of
 
 MASK_WEIGHT = 1.0
@@ -54,7 +55,7 @@ def synthesise_masked(
         The source map, int32 [*shape, 2], of the colours, the mask and any other map; see `jaxtex.synthesis.sources`.
 
     Raises:
-        ValueError: as `synthesise_coherence`; a mask of another size than the exemplar's, with one value or more than
+        ValueError: as `synthesise_anisometric`; a mask of another size than the exemplar's, with one value or more than
             four.
 
     Examples:
@@ -75,7 +76,11 @@ def masked_steps(
     mask_weight: float = MASK_WEIGHT,
 ) -> Iterator[Step]:
     """The same step by step, with the source map so far, from coarse to fine."""
-    return coherence_steps(mark_elements(exemplar, mask, mask_weight), shape, key=key, radius=radius)
+    alike = np.ones(check_shape(shape))
+    marked = mark_elements(exemplar, mask, mask_weight)
+    steps = anisometric_steps(marked, alike, 0 * alike, key=key, radius=radius, tileable=True)
+    # Where nothing is scaled or turned, sources are whole pixels.
+    return (Step(each.done, each.total, np.rint(each.sources).astype(np.int32)) for each in steps)
 
 
 def mark_elements(exemplar: npt.ArrayLike, mask: npt.ArrayLike, mask_weight: float = MASK_WEIGHT) -> Floats:

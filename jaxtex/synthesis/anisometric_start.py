@@ -69,7 +69,7 @@ def _part(scale: Floats, block: int) -> Iterator[tuple[int, int, int, int]]:
                 yield from split((*one, *other), side / 2)
 
     largest = float(scale.max())
-    counts = [max(1, round(length / (block * largest))) for length in scale.shape]
+    counts = [min(max(1, round(length / (block * largest))), length) for length in scale.shape]
     borders = [np.arange(count + 1) * length // count for count, length in zip(counts, scale.shape, strict=True)]
     for one, other in itertools.product(*map(itertools.pairwise, borders)):
         yield from split((int(one[0]), int(one[1]), int(other[0]), int(other[1])), largest)

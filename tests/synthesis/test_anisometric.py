@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.ndimage import map_coordinates
+from scipy.ndimage import label, map_coordinates
 
 from jaxtex.synthesis.anisometric import Transition, make_frames, sample_sources, synthesise_anisometric
 from jaxtex.synthesis.anisometric_pass import Given, Known, decide_all, order_pixels
+from jaxtex.synthesis.anisometric_start import lay_pieces
 from jaxtex.synthesis.exemplars import analyse_levels, neighbourhood_taps, neighbourhood_weights
 
 KEY = jax.random.key(0)
@@ -51,6 +52,44 @@ def test_scale_changes_along_the_picture() -> None:
     for left in (0, 96, 192):
         frequency, _ = find_wave(made[:, left : left + 64])
         assert 1 / frequency == pytest.approx(8 * scale[0, left + 32], rel=0.12)
+
+
+@pytest.mark.parametrize("scale", [0.5, 1.0, 2.0])
+def test_spots_are_as_large_as_asked_and_whole(scale: float) -> None:
+    exemplar = draw_spots()
+    fields = np.full((144, 144), scale), np.zeros((144, 144))
+    made = sample_sources(exemplar, synthesise_anisometric(exemplar, *fields, key=KEY), make_frames(*fields))
+    labels, _ = label(made[..., 0] < 0.5)
+    border = np.concatenate([labels[[0, -1]].ravel(), labels[:, [0, -1]].ravel()])
+    areas = np.bincount(labels.ravel())[np.setdiff1d(labels, border)]
+    radii = np.sqrt(areas / np.pi) / (5 * scale)
+    assert np.median(radii) == pytest.approx(1, abs=0.08)
+    assert np.mean(np.abs(radii - 1) < 0.2) > 0.75
+
+
+def draw_spots() -> np.ndarray:
+    """Dark spots of radius 5, one in each square of 20 pixels."""
+    rng = np.random.default_rng(0)
+    middles = (np.indices((6, 6)).reshape(2, -1).T + 0.5) * 20 + rng.uniform(-3, 3, (36, 2))
+    place = np.moveaxis(np.indices((120, 120)), 0, -1)[..., None, :]
+    nearest = np.sqrt(np.square(place - middles).sum(axis=-1)).min(axis=-1)
+    return (0.25 + 0.5 * np.clip(nearest - 4.5, 0, 1) + rng.normal(0, 0.02, (120, 120)))[..., None]
+
+
+@pytest.mark.parametrize("scale", [0.05, 16.0])
+def test_scales_far_from_the_exemplars(scale: float) -> None:
+    sources = synthesise_anisometric(draw_spots(), np.full((9, 30), scale), np.zeros((9, 30)), key=KEY)
+    assert sources.shape == (9, 30, 2)
+    assert ((sources >= 0) & (sources <= 119)).all()
+
+
+def test_pieces_to_begin_with_lie_in_the_exemplar() -> None:
+    level = analyse_levels(draw_stripes(40, 48, 8), np.ones((40, 48), bool), radius=3, coarsest=32)[0]
+    frames = make_frames(np.geomspace(0.8, 3, 90)[None].repeat(60, axis=0), np.full((60, 90), 0.5))
+    wanted = Given(frames, np.zeros((60, 90, 0), np.float32), (np.zeros((40, 48), np.float32), np.zeros((60, 90))))
+    sources = lay_pieces(level, wanted, 0.1, KEY, 3, False)
+    assert ((sources > 3) & (sources < [36, 44])).all(axis=-1).mean() > 0.99  # none is cut off at the border
+    assert np.linalg.norm(np.diff(sources, axis=1), axis=-1).min() > 0.25  # neither is a pixel repeated
 
 
 @settings(max_examples=15, deadline=None)
@@ -210,7 +249,10 @@ def test_same_seed_same_texture() -> None:
         ({"exemplar": np.ones((4, 40, 1))}, "neighbourhood"),
         ({"similar": -1}, "similar"),
         ({"exemplar_frames": (np.ones((8, 8)), np.ones((8, 8)))}, "exemplar_frames"),
-        ({"exemplar_frames": (np.full((48, 48), 20.0), np.ones((48, 48)))}, "no neighbourhood"),
+        (
+            {"exemplar": np.ones((9, 9, 1)), "exemplar_frames": (np.ones((9, 9)), np.full((9, 9), 0.8))},
+            "no neighbourhood",
+        ),
         ({"transition": Transition(np.ones((8, 8)), np.ones((8, 8)))}, "transition"),
         ({"transition": Transition(np.ones((48, 48)), np.ones((8, 8)), 0.0)}, "tolerance"),
         ({"guides": (np.ones((48, 48, 1)), np.ones((9, 8, 1)))}, "guides"),
