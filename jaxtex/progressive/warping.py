@@ -243,7 +243,7 @@ def _find_features(labels: Labels) -> list[tuple[Floats, Floats]]:
             top, left, bottom, right = region.bbox
             if min(top, left) > 0 and bottom < labels.shape[0] and right < labels.shape[1]:
                 contours = find_contours(np.pad(region.image, 1).astype(float), 0.5)
-                points = [each[:-1:_CONTOUR_STEP] + (top - 1, left - 1) for each in contours]
+                points = [each[:-1:_CONTOUR_STEP] + np.array([top - 1, left - 1]) for each in contours]
                 centre = np.array(region.centroid)
                 features.append((centre, np.concatenate([centre[None], *points])))
     return features
