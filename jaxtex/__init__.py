@@ -165,6 +165,8 @@ if TYPE_CHECKING:
     from jaxtex.progressive.key_files import read_keys as read_keys
     from jaxtex.progressive.keys import FieldKey as FieldKey
     from jaxtex.progressive.mask_proposal import propose_texton_mask as propose_texton_mask
+    from jaxtex.progressive.masked import mark_elements as mark_elements
+    from jaxtex.progressive.masked import synthesise_masked as synthesise_masked
     from jaxtex.progressive.plots import overlay_texton_mask as overlay_texton_mask
     from jaxtex.progressive.plots import plot_orientation as plot_orientation
     from jaxtex.progressive.plots import plot_scalar as plot_scalar
@@ -175,6 +177,10 @@ if TYPE_CHECKING:
     from jaxtex.progressive.varying import VaryingTexture as VaryingTexture
     from jaxtex.progressive.varying import read_varying as read_varying
     from jaxtex.progressive.varying import write_varying as write_varying
+    from jaxtex.synthesis.anisometric import Transition as Transition
+    from jaxtex.synthesis.anisometric import make_frames as make_frames
+    from jaxtex.synthesis.anisometric import sample_sources as sample_sources
+    from jaxtex.synthesis.anisometric import synthesise_anisometric as synthesise_anisometric
     from jaxtex.synthesis.ashikhmin import ashikhmin_steps as ashikhmin_steps
     from jaxtex.synthesis.ashikhmin import synthesise_ashikhmin as synthesise_ashikhmin
     from jaxtex.synthesis.coherence import coherence_steps as coherence_steps
@@ -281,6 +287,10 @@ _PUBLIC = {
     "synthesise_texture": "jaxtex.synthesis.heeger_bergen",
     # exemplar -> source map -> texture
     "inpaint_coherence": "jaxtex.synthesis.coherence",
+    "Transition": "jaxtex.synthesis.anisometric",
+    "make_frames": "jaxtex.synthesis.anisometric",
+    "sample_sources": "jaxtex.synthesis.anisometric",
+    "synthesise_anisometric": "jaxtex.synthesis.anisometric",
     "synthesise_coherence": "jaxtex.synthesis.coherence",
     "coherence_steps": "jaxtex.synthesis.coherence",
     "inpaint_steps": "jaxtex.synthesis.coherence",
@@ -333,6 +343,8 @@ _PUBLIC = {
     "read_keys": "jaxtex.progressive.key_files",
     "FieldKey": "jaxtex.progressive.keys",
     "propose_texton_mask": "jaxtex.progressive.mask_proposal",
+    "mark_elements": "jaxtex.progressive.masked",
+    "synthesise_masked": "jaxtex.progressive.masked",
     "overlay_texton_mask": "jaxtex.progressive.plots",
     "plot_orientation": "jaxtex.progressive.plots",
     "plot_scalar": "jaxtex.progressive.plots",

@@ -43,6 +43,11 @@ COMMANDS = (
     Command("mix", "jaxtex.cli.mix:Mix", "mix models: wood in tiles, parts of the photograph, others by painted masks"),
     Command("render", "jaxtex.cli.render:Render", "make the material maps of a model file at any resolution"),
     Command("synth", "jaxtex.cli.synth:Synth", "make more of a texture, tileable, from a picture of it"),
+    Command(
+        "vary distort",
+        "jaxtex.cli.vary_distort:VaryDistort",
+        "make a texture whose things change in size and direction",
+    ),
     Command("compare", "jaxtex.cli.compare:Compare", "show what each method of synth makes of a picture, on one sheet"),
     Command("field", "jaxtex.cli.field:Field", "make a field over a picture from keys: scale, transition, orientation"),
     Command(

@@ -20,6 +20,7 @@ _GOES_WITH: dict[str, tuple[Method, ...]] = {
     "passes": ("ashikhmin",),
     "guide": ("coherence",),
     "guide_weight": ("coherence",),
+    "texton_mask": ("coherence",),
     "inpaint": ("coherence", "efros-leung"),
     "also": ("coherence", "ashikhmin", "wei-levoy", "efros-leung", "quilting"),
     "blend": ("coherence", "ashikhmin", "wei-levoy", "efros-leung", "quilting"),
@@ -48,6 +49,8 @@ class Synth:
     Example: jaxtex synth colour.png -o tile.png --also normal.png height.exr
 
     Example: jaxtex synth flowers.jpg -o meadow.png --method ashikhmin --target painting.png --passes 5
+
+    Example: jaxtex synth peppers.jpg -o more.png --texton-mask peppers_mask.png
 
     Example: jaxtex synth wall.jpg -o repaired.png --inpaint hole.png
     """
@@ -92,6 +95,9 @@ class Synth:
     guide_weight: Annotated[float | None, tyro.conf.arg(help_behavior_hint="")] = None
     """coherence: how much the guide counts, of what colours count: more follows it more closely, and repeats more. By
     default 0.5."""
+    texton_mask: Annotated[Path | None, tyro.conf.arg(metavar="MASK", help_behavior_hint="")] = None
+    """coherence: a mask of the exemplar's size that marks its elements (pebbles, leaves, ...), so that these do not
+    break: two to four values, each for one type of element or the ground."""
     inpaint: Annotated[Path | None, tyro.conf.arg(metavar="MASK", help_behavior_hint="")] = None
     """coherence, efros-leung: fill the exemplar where this mask of its size is white, instead of making a new
     picture."""
@@ -139,6 +145,7 @@ class Synth:
                     f"--{option.replace('_', '-')}: goes with --method {' or '.join(methods)}, not with {self.method}"
                 )
         inputs = {"the exemplar": self.exemplar, "the target": self.target, "the mask": self.inpaint}
+        inputs["the texton mask"] = self.texton_mask
         inputs |= dict(zip(("the first of the guides", "the second of the guides"), self.guide or (), strict=False))
         for told, path in inputs.items():
             if path is not None and path.resolve() == self.output.resolve():

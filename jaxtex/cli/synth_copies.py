@@ -93,10 +93,16 @@ def _check_numbers(options: "Synth") -> None:
         raise InputError("--guide-weight: there is no --guide that it could be of; give both")
     if options.guide is not None and options.region:
         raise InputError("--region: does not go with --guide; cut the exemplar and its guide out alike")
+    if options.texton_mask is not None and options.region:
+        raise InputError("--region: does not go with --texton-mask; cut the exemplar and its mask out alike")
+    if options.texton_mask is not None and options.guide is not None:
+        raise InputError("--guide: does not go with --texton-mask; give one of both")
     if options.inpaint is not None:
-        for name in ("size", "region", "guide", "tileable"):
+        for name in ("size", "region", "guide", "tileable", "texton_mask"):
             if getattr(options, name):
-                raise InputError(f"--{name}: does not go with --inpaint, which fills the exemplar as it is")
+                raise InputError(
+                    f"--{name.replace('_', '-')}: does not go with --inpaint, which fills the exemplar as it is"
+                )
 
 
 def _read_exemplar(path: Path, rectangles: list[Rectangle]) -> _Exemplar:

@@ -100,6 +100,8 @@ def _start_coherence(
     from jaxtex.synthesis.coherence import coherence_steps
     from jaxtex.synthesis.guides import GUIDE_WEIGHT
 
+    if options.texton_mask is not None:
+        return _start_masked(options.texton_mask, exemplar, _shape_of(size, exemplar), radius, key)
     if options.guide is None:
         return coherence_steps(exemplar, _shape_of(size, exemplar), key=key, radius=radius)
     guides = [read_image(path) for path in options.guide]
@@ -120,6 +122,16 @@ def _start_coherence(
         guides=(ours, theirs),
         guide_weight=options.guide_weight or GUIDE_WEIGHT,
     )
+
+
+def _start_masked(
+    path: Path, exemplar: "np.ndarray", shape: tuple[int, int], radius: int, key: "Array"
+) -> Iterator["Step"]:
+    from jaxtex.progressive.masked import masked_steps
+    from jaxtex.progressive.texton_masks import read_texton_mask
+
+    mask = read_texton_mask(path, (exemplar.shape[1], exemplar.shape[0]))
+    return masked_steps(exemplar, mask, shape, key=key, radius=radius)
 
 
 def _start_ashikhmin(

@@ -18,9 +18,9 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
-from jaxtex.synthesis.anisometric_pass import Floats, Given, Known, decide_all, sample_places
+from jaxtex.synthesis.anisometric_pass import Floats, Given, Known, decide_all, order_pixels, sample_places
 from jaxtex.synthesis.anisometric_start import lay_pieces
-from jaxtex.synthesis.exemplars import ExemplarLevel, analyse_levels, halve, halve_frames
+from jaxtex.synthesis.exemplars import Bools, ExemplarLevel, analyse_levels, halve, halve_frames
 from jaxtex.synthesis.guides import GUIDE_WEIGHT, weigh_guides
 from jaxtex.synthesis.neighbourhoods import check_exemplar
 
@@ -29,6 +29,7 @@ SIMILAR = 3
 
 _COARSEST = 32  # pixels along the shorter side of an exemplar
 _PASSES, _COARSE_PASSES = 2, 6
+_LEAST_SIDE = 4  # pixels of the texture's coarsest resolution
 _MOST_SAMPLES = 4  # along each axis, to a pixel in which more than one of the exemplar's are seen
 
 Search = Literal["coherence", "exhaustive"]
@@ -144,12 +145,16 @@ def anisometric_steps(
     own = make_frames(*exemplar_frames) if exemplar_frames is not None else None
     if own is not None and own.shape[:2] != pixels.shape[:2]:
         raise ValueError(f"exemplar_frames of shape {own.shape[:2]}: give the exemplar's, {pixels.shape[:2]}")
+    if own is not None:  # neighbourhoods grow with things (section 5.2): as large as told where these are as usual
+        usual = np.median(np.sqrt(np.linalg.det(own)))
+        own, frames = own / usual, frames / usual
     if similar < 0:
         raise ValueError(f"similar: {similar} is below 0")
     pixels, guide = weigh_guides(pixels, guides, frames.shape[:2], guide_weight)
     everywhere = np.ones(pixels.shape[:2], bool)
     levels = analyse_levels(pixels, everywhere, radius=radius, coarsest=_COARSEST, similar=max(similar, 1), frames=own)
-    given = Given(frames, guide, _check_transition(transition, pixels.shape[:2], frames.shape[:2]))
+    values = _check_transition(transition, pixels.shape[:2], frames.shape[:2])
+    given = Given(frames, guide, values)
     tolerance = transition.tolerance if transition is not None else np.inf
     return _refine(levels, given, tolerance, key, radius, similar, search, tileable)
 
@@ -224,6 +229,47 @@ def _check_transition(
     return values[0], values[1]
 
 
+class _Stage(NamedTuple):
+    """A few passes over some pixels at one resolution.
+
+    Attributes:
+        texture, exemplar: octaves by which each is coarser than in full.
+        open: the pixels, [row, col].
+        passes: how many.
+        everywhere: whether all of the exemplar is searched.
+    """
+
+    texture: int
+    exemplar: int
+    open: Bools
+    passes: int
+    everywhere: bool
+
+
+def _plan_stages(coarsest: int, frames: list[Floats], search: Search) -> list[_Stage]:
+    """Each pixel is decided where those of the texture and of the exemplar are about as large as one another: what is
+    larger in the texture, at coarser resolutions of it.
+
+    Args:
+        coarsest: resolution of the exemplar.
+        frames: of the texture at full exemplar resolution, from its full resolution to its coarsest.
+        search: as in `synthesise_anisometric`.
+    """
+    stages = []
+    for texture in reversed(range(len(frames))):
+        # Where things would be as large as in the exemplar if this were as many octaves coarser.
+        alike = -np.rint(0.5 * np.log2(np.linalg.det(frames[texture]))).astype(int)
+        if texture == 0:
+            alike = np.minimum(alike, coarsest)
+        for exemplar in reversed(range(coarsest + 1)):
+            there = alike == exemplar
+            first = exemplar == coarsest or texture == len(frames) - 1
+            if there.any():
+                passes = _COARSE_PASSES if first else _PASSES
+                stages.append(_Stage(texture, exemplar, there, passes, first or search == "exhaustive"))
+    return stages
+
+
 def _refine(
     levels: list[ExemplarLevel],
     given: Given,
@@ -234,55 +280,67 @@ def _refine(
     search: Search,
     tileable: bool,
 ) -> Iterator[AnisometricStep]:
-    givens = [given]
+    own, ours = levels[0].frames, [given.transition[0]]
     for _ in levels[1:]:
+        ours.append(_halve(ours[-1][..., None])[..., 0])
+    givens = [given]
+    deep = len(levels) - 1 + max(0, round(0.5 * float(np.log2(np.linalg.det(given.frames).max()))))
+    while len(givens) <= deep and min(givens[-1].frames.shape[:2]) >= 2 * _LEAST_SIDE:
         givens.append(_halve_given(givens[-1]))
-    total, done = _COARSE_PASSES + _PASSES * (len(levels) - 1), 0
-    sources = lay_pieces(levels[-1], givens[-1], tolerance, key, radius, tileable)
-    for number in reversed(range(len(levels))):
-        level, wanted = levels[number], givens[number]
-        first = number == len(levels) - 1
-        if not first:
-            sources = _double(sources, level, wanted.frames)
-        known = Known(
-            level.pixels, level.valid, level.basis, level.features, level.similar[:, : 1 + similar], level.frames
-        )
-        everywhere = first or search == "exhaustive"
-        for _ in range(_COARSE_PASSES if first else _PASSES):
-            sources = np.asarray(
-                decide_all(known, wanted, sources, np.float32(tolerance), radius, everywhere, tileable)
-            )
+    stages = _plan_stages(len(levels) - 1, [each.frames for each in givens], search)
+    total, done = sum(stage.passes for stage in stages), 0
+    at = len(givens) - 1
+    sources = lay_pieces(levels[-1], _see(givens[at], ours[-1], len(levels) - 1), tolerance, key, radius, tileable)
+    sources = _rescale(sources, len(levels) - 1)
+    yield AnisometricStep(0, total, _magnify(sources, at, given.frames, own, levels[0].valid.shape))
+    for stage in stages:
+        while at > stage.texture:
+            at -= 1
+            sources = _magnify(sources, 1, givens[at].frames, own, levels[0].valid.shape)
+        level, wanted = levels[stage.exemplar], _see(givens[at], ours[stage.exemplar], stage.exemplar)
+        alike = level.similar[:, : 1 + similar]
+        known = Known(level.pixels, level.valid, level.basis, level.features, alike, level.frames)
+        order = order_pixels(stage.open)
+        there = _rescale(sources, -stage.exemplar)
+        for _ in range(stage.passes):
+            options = np.float32(tolerance), *order, radius, stage.everywhere, tileable
+            there = np.asarray(decide_all(known, wanted, there, *options))
             done += 1
-            yield AnisometricStep(done, total, _magnify(sources, number, given.frames))
+            sources = np.where(stage.open[..., None], _rescale(there, stage.exemplar), sources)
+            yield AnisometricStep(done, total, _magnify(sources, at, given.frames, own, levels[0].valid.shape))
+
+
+def _halve(field: Floats) -> Floats:
+    return halve(field, np.ones(field.shape[:2], bool))
 
 
 def _halve_given(given: Given) -> Given:
-    def half(field: Floats) -> Floats:
-        return halve(field, np.ones(field.shape[:2], bool))
-
+    """What is wanted at half the resolution; a step of the texture is then two of the exemplar."""
     frames = halve_frames(given.frames)
     assert frames is not None
-    ours, theirs = (half(each[..., None])[..., 0] for each in given.transition)
-    return Given(frames, half(given.guide), (ours, theirs))
+    transition = given.transition[0], _halve(given.transition[1][..., None])[..., 0]
+    return Given(np.float32(0.5) * frames, _halve(given.guide), transition)
 
 
-def _double(sources: Floats, level: ExemplarLevel, frames: Floats) -> Floats:
-    """Sources at the next finer level: what lies between pixels of the coarser one goes on in the same direction."""
+def _see(given: Given, ours: Floats, octaves: int) -> Given:
+    """What is wanted, in pixels of an exemplar that is some octaves coarser, whose transition values are given."""
+    return given._replace(frames=given.frames * np.float32(2**octaves), transition=(ours, given.transition[1]))
+
+
+def _rescale(sources: Floats, octaves: int) -> Floats:
+    """The same places in an exemplar that is some octaves finer, or coarser if negative."""
+    times = np.float32(2.0**octaves)
+    return times * sources + np.float32(0.5) * (times - 1)
+
+
+def _magnify(sources: Floats, octaves: int, frames: Floats, own: Floats | None, shape: tuple[int, ...]) -> Floats:
+    """Sources at a resolution of the texture that is some octaves finer and has these frames: what lies between pixels
+    of the coarser one goes on in the same direction."""
     row, column = np.indices(frames.shape[:2])
-    above = 2 * sources[row // 2, column // 2] + 0.5
-    away = np.stack([row % 2 - 0.5, column % 2 - 0.5], axis=-1)
-    steps = np.linalg.inv(frames)
-    if level.frames is not None:
-        place = np.clip(np.rint(above), 0, np.array(level.valid.shape) - 1).astype(int)
-        steps = level.frames[place[..., 0], place[..., 1]] @ steps
+    away = np.stack([row % 2**octaves, column % 2**octaves], axis=-1) - 0.5 * (2**octaves - 1)
+    above, steps = sources[row >> octaves, column >> octaves], np.linalg.inv(frames)
+    if own is not None:
+        place = np.clip(np.rint(above), 0, np.array(shape) - 1).astype(int)
+        steps = own[place[..., 0], place[..., 1]] @ steps
     moved = above + np.einsum("rcij,rcj->rci", steps, away)
-    return np.clip(moved, 0, np.array(level.valid.shape) - 1).astype(np.float32)
-
-
-def _magnify(sources: Floats, octaves: int, frames: Floats) -> Floats:
-    """Sources at full resolution that go with those of a coarser one."""
-    row, column = np.indices(frames.shape[:2])
-    times = 2**octaves
-    away = np.stack([row % times, column % times], axis=-1) - 0.5 * (times - 1)
-    above = times * sources[row >> octaves, column >> octaves] + 0.5 * (times - 1)
-    return (above + np.einsum("rcij,rcj->rci", np.linalg.inv(frames), away)).astype(np.float32)
+    return np.clip(moved, 0, np.array(shape) - 1).astype(np.float32)

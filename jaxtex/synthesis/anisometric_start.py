@@ -1,6 +1,7 @@
 """What anisometric synthesis begins with, at the coarsest level: pieces of the exemplar, scaled and turned."""
 
 import itertools
+from collections.abc import Iterator
 
 import jax
 import numpy as np
@@ -12,8 +13,10 @@ from jaxtex.synthesis.exemplars import ExemplarLevel
 
 _BLOCK = 11  # pixels at the coarsest level: the larger, the more is copied as it stands
 _GUIDED_BLOCK = 5  # likewise, where guides change within larger ones
+_FIT = 1.5  # times as large as it should be may a piece be before it is parted in four
 _DRAWS = 48  # places that are tried for each piece
 _SHIFT = 3  # pixels, at most, by which the best of these is moved to where it fits even better
+_NOT_WHOLE = 1e6  # how much worse than all others is a place beside which the exemplar ends within the piece
 
 Places = npt.NDArray[np.intp]
 
@@ -28,9 +31,8 @@ def lay_pieces(level: ExemplarLevel, given: Given, tolerance: float, key: Array,
     shape = given.frames.shape[:2]
     block = _GUIDED_BLOCK if given.guide.shape[2] else _BLOCK
     sources, laid = np.zeros((*shape, 2), np.float32), np.zeros(shape, bool)
-    borders = [np.arange(count + 1) * side // count for side in shape for count in [max(1, round(side / block))]]
     shifts = _pixels(-_SHIFT, _SHIFT + 1, -_SHIFT, _SHIFT + 1)
-    for (top, bottom), (left, after) in itertools.product(*map(itertools.pairwise, borders)):
+    for top, bottom, left, after in _part(np.sqrt(np.linalg.det(given.frames)), block):
         middle = (top + bottom - 1) // 2, (left + after - 1) // 2
         inside = _pixels(top, bottom, left, after)
         around = _pixels(top - radius, bottom + radius, left - radius, after + radius)
@@ -42,13 +44,35 @@ def lay_pieces(level: ExemplarLevel, given: Given, tolerance: float, key: Array,
             options = _keep_valid(level, places)
             missed = _miss_guide(level, given, options, middle, inside)  # noqa: B023
             missed += _miss_surroundings(level, given, options, middle, around, sources[tuple(there.T)])  # noqa: B023
+            missed = missed + _NOT_WHOLE * ~_lie_within(level, given, options, middle, inside, radius)  # noqa: B023
             return options[np.argmin(missed)][None]
 
-        place = choose(choose(_draw_places(level, given, middle, tolerance, rng)) + shifts)
+        drawn = _draw_places(level, given, middle, tolerance, inside, radius, rng)
+        place = choose(choose(drawn) + shifts)
         piece = _lead(level, given, place, middle, inside)
         sources[top:bottom, left:after] = piece.reshape(bottom - top, after - left, 2)
         laid[top:bottom, left:after] = True
     return np.clip(sources, radius, np.array(level.valid.shape) - 1 - radius)
+
+
+def _part(scale: Floats, block: int) -> Iterator[tuple[int, int, int, int]]:
+    """(top, bottom, left, after) of squares about as large as a block is where they lie, where scale is [row, col]."""
+
+    def split(limits: tuple[int, int, int, int], side: float) -> Iterator[tuple[int, int, int, int]]:
+        top, bottom, left, after = limits
+        if side * block < 2 or side < _FIT * scale[(top + bottom - 1) // 2, (left + after - 1) // 2]:
+            yield limits
+            return
+        middle, centre = (top + bottom) // 2, (left + after) // 2
+        for one, other in itertools.product(((top, middle), (middle, bottom)), ((left, centre), (centre, after))):
+            if one[0] < one[1] and other[0] < other[1]:
+                yield from split((*one, *other), side / 2)
+
+    largest = float(scale.max())
+    counts = [min(max(1, round(length / (block * largest))), length) for length in scale.shape]
+    borders = [np.arange(count + 1) * length // count for count, length in zip(counts, scale.shape, strict=True)]
+    for one, other in itertools.product(*map(itertools.pairwise, borders)):
+        yield from split((int(one[0]), int(one[1]), int(other[0]), int(other[1])), largest)
 
 
 def _pixels(top: int, bottom: int, left: int, after: int) -> Places:
@@ -56,12 +80,30 @@ def _pixels(top: int, bottom: int, left: int, after: int) -> Places:
 
 
 def _draw_places(
-    level: ExemplarLevel, given: Given, middle: tuple[int, int], tolerance: float, rng: np.random.Generator
+    level: ExemplarLevel,
+    given: Given,
+    middle: tuple[int, int],
+    tolerance: float,
+    pixels: Places,
+    radius: int,
+    rng: np.random.Generator,
 ) -> Places:
-    """Some of the places [place, 2] whose transition value is like the one in the middle of a piece."""
+    """Some of the places [place, 2] whose transition value is like the one in the middle of a piece of some pixels,
+    and around which the exemplar holds all of it, if there are such."""
     apart = np.abs(given.transition[0] - given.transition[1][middle])
     usable = np.argwhere(level.valid & (apart < max(tolerance, apart[level.valid].min() + 1e-6)))
+    whole = _lie_within(level, given, usable, middle, pixels, radius)
+    usable = usable[whole] if whole.any() else usable
     return usable[rng.integers(len(usable), size=_DRAWS)]
+
+
+def _lie_within(
+    level: ExemplarLevel, given: Given, places: Places, middle: tuple[int, int], pixels: Places, radius: int
+) -> npt.NDArray[np.bool_]:
+    """Whether what a piece shows, with its middle at each of some places, is all in the exemplar."""
+    corners = np.array(list(itertools.product(*zip(pixels.min(axis=0), pixels.max(axis=0), strict=True))))
+    shown = _lead(level, given, places, middle, corners)
+    return np.all((shown >= radius) & (shown <= np.array(level.valid.shape) - 1 - radius), axis=(1, 2))
 
 
 def _keep_valid(level: ExemplarLevel, places: Places) -> Places:

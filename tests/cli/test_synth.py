@@ -9,6 +9,7 @@ import pytest
 from jaxtex.cli.main import main
 from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
 from jaxtex.io.images import read_image, write_image
+from jaxtex.io.masks import read_mask, write_mask
 from jaxtex.io.raster import read_raster
 
 NOISE = ["--method", "heeger-bergen"]
@@ -401,6 +402,61 @@ class TestGuides:
         assert told in captured.err
         assert "Traceback" not in captured.err
         assert names(halves.parent) == there
+
+
+class TestTextonMasks:
+    @pytest.fixture
+    def mask(self, exemplar: Path) -> Path:
+        path = exemplar.with_name("mask.png")
+        row, column = np.indices((64, 70))
+        write_mask(path, np.hypot(row % 16 - 8, column % 16 - 8) < 5)
+        return path
+
+    def test_elements_are_those_of_the_mask(self, exemplar: Path, mask: Path) -> None:
+        from jaxtex.progressive.masked import synthesise_masked
+
+        output = exemplar.with_name("made.png")
+        words = ["--texton-mask", mask, "--also", mask, "--size", "50x40", "--seed", "3"]
+        assert synth(exemplar, "-o", output, *words) == 0
+        pixels, marked = read_image(exemplar).pixels, read_mask(mask) > 0.5
+        sources = synthesise_masked(linear_to_srgb(pixels), marked, (40, 50), key=jax.random.key(3))
+        np.testing.assert_array_equal(read_image(output).pixels, pixels[sources[..., 0], sources[..., 1]])
+        made = read_mask(exemplar.with_name("made_mask.png")) > 0.5
+        np.testing.assert_array_equal(made, marked[sources[..., 0], sources[..., 1]])
+
+    @pytest.mark.parametrize(
+        ("words", "told"),
+        [
+            (["--texton-mask", "none.png"], "none.png"),
+            (["--texton-mask", "small.png"], "20 x 20"),
+            (["--texton-mask", "black.png"], "one value alone"),
+            (["--texton-mask", "mask.png", "--method", "ashikhmin"], "--texton-mask: goes with --method coherence"),
+            (["--texton-mask", "mask.png", "--region", "0,0,40x40"], "--region: does not go with --texton-mask"),
+            (
+                ["--texton-mask", "mask.png", "--guide", "mask.png", "mask.png"],
+                "--guide: does not go with --texton-mask",
+            ),
+            (["--texton-mask", "mask.png", "--inpaint", "mask.png"], "--texton-mask: does not go with --inpaint"),
+        ],
+    )
+    def test_masks_that_do_not_go_along_are_told(
+        self,
+        exemplar: Path,
+        mask: Path,
+        words: list[str],
+        told: str,
+        capsys: pytest.CaptureFixture[str],
+        monkeypatch: pytest.MonkeyPatch,
+    ) -> None:
+        monkeypatch.chdir(exemplar.parent)
+        write_mask("small.png", np.eye(20))
+        write_mask("black.png", np.zeros((64, 70)))
+        there = names(exemplar.parent)
+        assert synth("exemplar.png", "-o", "made.png", *words) == 2
+        error = capsys.readouterr().err
+        assert told in error
+        assert error.count("\n") == 1
+        assert names(exemplar.parent) == there
 
 
 class TestInpainting:

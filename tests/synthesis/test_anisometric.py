@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.ndimage import map_coordinates
+from scipy.ndimage import label, map_coordinates
 
 from jaxtex.synthesis.anisometric import Transition, make_frames, sample_sources, synthesise_anisometric
-from jaxtex.synthesis.anisometric_pass import Given, Known, decide_all
+from jaxtex.synthesis.anisometric_pass import Given, Known, decide_all, order_pixels
+from jaxtex.synthesis.anisometric_start import lay_pieces
 from jaxtex.synthesis.exemplars import analyse_levels, neighbourhood_taps, neighbourhood_weights
 
 KEY = jax.random.key(0)
@@ -53,6 +54,44 @@ def test_scale_changes_along_the_picture() -> None:
         assert 1 / frequency == pytest.approx(8 * scale[0, left + 32], rel=0.12)
 
 
+@pytest.mark.parametrize("scale", [0.5, 1.0, 2.0])
+def test_spots_are_as_large_as_asked_and_whole(scale: float) -> None:
+    exemplar = draw_spots()
+    fields = np.full((144, 144), scale), np.zeros((144, 144))
+    made = sample_sources(exemplar, synthesise_anisometric(exemplar, *fields, key=KEY), make_frames(*fields))
+    labels, _ = label(made[..., 0] < 0.5)
+    border = np.concatenate([labels[[0, -1]].ravel(), labels[:, [0, -1]].ravel()])
+    areas = np.bincount(labels.ravel())[np.setdiff1d(labels, border)]
+    radii = np.sqrt(areas / np.pi) / (5 * scale)
+    assert np.median(radii) == pytest.approx(1, abs=0.08)
+    assert np.mean(np.abs(radii - 1) < 0.2) > 0.75
+
+
+def draw_spots() -> np.ndarray:
+    """Dark spots of radius 5, one in each square of 20 pixels."""
+    rng = np.random.default_rng(0)
+    middles = (np.indices((6, 6)).reshape(2, -1).T + 0.5) * 20 + rng.uniform(-3, 3, (36, 2))
+    place = np.moveaxis(np.indices((120, 120)), 0, -1)[..., None, :]
+    nearest = np.sqrt(np.square(place - middles).sum(axis=-1)).min(axis=-1)
+    return (0.25 + 0.5 * np.clip(nearest - 4.5, 0, 1) + rng.normal(0, 0.02, (120, 120)))[..., None]
+
+
+@pytest.mark.parametrize("scale", [0.05, 16.0])
+def test_scales_far_from_the_exemplars(scale: float) -> None:
+    sources = synthesise_anisometric(draw_spots(), np.full((9, 30), scale), np.zeros((9, 30)), key=KEY)
+    assert sources.shape == (9, 30, 2)
+    assert ((sources >= 0) & (sources <= 119)).all()
+
+
+def test_pieces_to_begin_with_lie_in_the_exemplar() -> None:
+    level = analyse_levels(draw_stripes(40, 48, 8), np.ones((40, 48), bool), radius=3, coarsest=32)[0]
+    frames = make_frames(np.geomspace(0.8, 3, 90)[None].repeat(60, axis=0), np.full((60, 90), 0.5))
+    wanted = Given(frames, np.zeros((60, 90, 0), np.float32), (np.zeros((40, 48), np.float32), np.zeros((60, 90))))
+    sources = lay_pieces(level, wanted, 0.1, KEY, 3, False)
+    assert ((sources > 3) & (sources < [36, 44])).all(axis=-1).mean() > 0.99  # none is cut off at the border
+    assert np.linalg.norm(np.diff(sources, axis=1), axis=-1).min() > 0.25  # neither is a pixel repeated
+
+
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.booleans(), st.booleans(), st.booleans())
 def test_a_pass_decides_as_a_plain_loop_does(seed: int, tileable: bool, everywhere: bool, framed: bool) -> None:
@@ -64,33 +103,42 @@ def test_a_pass_decides_as_a_plain_loop_does(seed: int, tileable: bool, everywhe
     frames = make_frames(rng.uniform(0.6, 1.6, (7, 9)), rng.uniform(-1, 1, (7, 9)))
     values = rng.random((20, 22)).astype(np.float32), rng.random((7, 9)).astype(np.float32)
     wanted = Given(frames, rng.random((7, 9, 0)).astype(np.float32), values)
+    some = rng.random((7, 9)) < 0.8
     sources = rng.uniform(2, 17, (7, 9, 2)).astype(np.float32)
-    got = np.asarray(decide_all(known, wanted, sources, np.float32(0.4), 2, everywhere, tileable))
-    expected = decide_plainly(known, wanted, sources, 0.4, 2, everywhere, tileable)
+    got = np.asarray(decide_all(known, wanted, sources, np.float32(0.4), *order_pixels(some), 2, everywhere, tileable))
+    expected = decide_plainly(known, wanted, sources, some, 2, everywhere, tileable)
     same = np.abs(got - expected).max(axis=-1) < 1e-3
     assert same.mean() > 0.95  # but for near ties
 
 
 def decide_plainly(
-    known: Known, wanted: Given, sources: np.ndarray, tolerance: float, radius: int, everywhere: bool, tileable: bool
+    known: Known, wanted: Given, sources: np.ndarray, some: np.ndarray, radius: int, everywhere: bool, tileable: bool
 ) -> np.ndarray:
-    sources, mode = sources.copy(), "grid-wrap" if tileable else "nearest"
+    tolerance = 0.4
+    sources = sources.copy()
     rows, columns = sources.shape[:2]
     ends = np.array(known.valid.shape) - 1
     weights, taps = neighbourhood_weights(radius)[:, None], neighbourhood_taps(radius)
     basis, features = np.asarray(known.basis), np.asarray(known.features).reshape(*known.valid.shape, -1)
     for first in ((0, 0), (1, 1), (0, 1), (1, 0)):
         before = sources.copy()
-        shown = sample_sources(known.pixels, before)
-        for row in range(first[0], rows + rows % 2, 2):
-            for column in range(first[1], columns + columns % 2, 2):
-                at = np.array([min(row, rows - 1), min(column, columns - 1)])
+        for row in range(first[0], rows, 2):
+            for column in range(first[1], columns, 2):
+                at = np.array([row, column])
                 frame, value = wanted.frames[tuple(at)], wanted.transition[1][tuple(at)]
-                places = (at + taps @ frame.T).T
-                window = np.stack(
-                    [map_coordinates(each, places, order=1, mode=mode) for each in shown.T.swapaxes(1, 2)]
-                )
-                feature = (window.T * weights).ravel() @ basis
+                places = at + taps @ frame.T
+                pixels = np.rint(places).astype(int)
+                pixels = pixels if tileable else np.clip(pixels, 0, [rows - 1, columns - 1])
+                theirs = before[pixels[:, 0] % rows, pixels[:, 1] % columns]
+                steps = (places - pixels) @ np.linalg.inv(frame).T
+                if known.frames is not None:
+                    own = np.clip(np.rint(theirs), 0, ends).astype(int)
+                    steps = np.einsum("nij,nj->ni", known.frames[own[:, 0], own[:, 1]], steps)
+                window = [
+                    map_coordinates(each, (theirs + steps).T, order=1, mode="nearest")
+                    for each in np.moveaxis(known.pixels, 2, 0)
+                ]
+                feature = (np.stack(window, axis=1) * weights).ravel() @ basis
                 best, least = before[tuple(at)], np.inf
                 for step in np.ndindex(3, 3):
                     away = np.array(step) - 1
@@ -125,7 +173,8 @@ def decide_plainly(
                     far = np.where(usable, np.square(features - feature).sum(axis=-1), np.inf)
                     if 2 * far.min() < least:
                         best = np.array(np.unravel_index(far.argmin(), far.shape))
-                sources[tuple(at)] = best
+                if some[row, column]:
+                    sources[row, column] = best
     return sources
 
 
@@ -200,7 +249,10 @@ def test_same_seed_same_texture() -> None:
         ({"exemplar": np.ones((4, 40, 1))}, "neighbourhood"),
         ({"similar": -1}, "similar"),
         ({"exemplar_frames": (np.ones((8, 8)), np.ones((8, 8)))}, "exemplar_frames"),
-        ({"exemplar_frames": (np.full((48, 48), 20.0), np.ones((48, 48)))}, "no neighbourhood"),
+        (
+            {"exemplar": np.ones((9, 9, 1)), "exemplar_frames": (np.ones((9, 9)), np.full((9, 9), 0.8))},
+            "no neighbourhood",
+        ),
         ({"transition": Transition(np.ones((8, 8)), np.ones((8, 8)))}, "transition"),
         ({"transition": Transition(np.ones((48, 48)), np.ones((8, 8)), 0.0)}, "tolerance"),
         ({"guides": (np.ones((48, 48, 1)), np.ones((9, 8, 1)))}, "guides"),

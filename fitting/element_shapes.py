@@ -1,0 +1,106 @@
+"""How large and how compact the elements of a picture are, and how far two pictures are apart in that.
+
+Which pixels are elements is learnt from an exemplar's mask by colour alone, and asked of the exemplar and of what is
+made of it in the same way; so neither gains by knowing where its pixels come from.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+from scipy.cluster.vq import kmeans2
+from scipy.stats import wasserstein_distance
+from skimage.measure import regionprops
+from skimage.morphology import remove_small_objects
+from skimage.segmentation import clear_border
+
+from jaxtex.particles.segmentation import split_touching
+from jaxtex.photo.pictures import to_lab
+
+_BLURS = 1.0, 3.0  # pixels, at which colours are looked at
+_COLOURS = 48  # classes of them
+_SAMPLE = 20_000  # pixels that these are learnt from
+_SPECK = 0.03  # of the exemplar's median element: less is noise of the classes
+
+Floats = npt.NDArray[np.floating]
+
+
+class Classes(NamedTuple):
+    """Attributes:
+    centres: colours, [class, feature].
+    element: whether most of a class is of elements, [class].
+    speck: the smallest area that is told as an element, in pixels.
+    """
+
+    centres: Floats
+    element: npt.NDArray[np.bool_]
+    speck: float
+
+
+class Elements(NamedTuple):
+    """Attributes:
+    areas: in pixels, of elements that do not touch the picture's border, [element].
+    compactness: perimeter² over area, [element]; 4 pi of a disk.
+    mask: bool [row, col].
+    """
+
+    areas: Floats
+    compactness: Floats
+    mask: npt.NDArray[np.bool_]
+
+
+def learn_classes(picture: Floats, mask: npt.NDArray[np.bool_]) -> Classes:
+    """What colours the elements of an exemplar have.
+
+    Args:
+        picture: linear light [row, col, channel].
+        mask: of its elements, [row, col].
+    """
+    values = _features(picture)
+    rng = np.random.default_rng(0)
+    sample = rng.permutation(mask.size)[:_SAMPLE]
+    centres = kmeans2(values.reshape(-1, values.shape[2])[sample], _COLOURS, minit="++", seed=0, iter=30)[0]
+    nearest = _nearest(values, centres)
+    share = ndimage.mean(mask, nearest, np.arange(_COLOURS))
+    areas = np.bincount(split_touching(mask).ravel())[1:]
+    return Classes(centres, np.nan_to_num(share) > 0.5, _SPECK * float(np.median(areas)))
+
+
+def find_elements(picture: Floats, classes: Classes, scale: Floats | None = None) -> Elements:
+    """The elements of a picture, those that touch parted where they are narrow.
+
+    Args:
+        picture: linear light [row, col, channel].
+        classes: of its exemplar.
+        scale: how many times as large as there things are, [row, col]; areas are as they would be there.
+    """
+    mask = ndimage.median_filter(classes.element[_nearest(_features(picture), classes.centres)], 3)
+    speck = max(1, int(classes.speck))
+    mask = remove_small_objects(~remove_small_objects(~mask, max_size=speck), max_size=speck)
+    whole = regionprops(clear_border(split_touching(mask)))
+    times = [1.0 if scale is None else float(scale[tuple(each.coords.T)].mean()) for each in whole]
+    told = [
+        (each.area / size**2, each.perimeter_crofton**2 / each.area) for each, size in zip(whole, times, strict=True)
+    ]
+    areas, compactness = np.array([each for each in told if each[0] > speck], float).reshape(-1, 2).T
+    return Elements(areas, compactness, mask)
+
+
+def measure_apart(one: Elements, other: Elements) -> tuple[float, float]:
+    """Wasserstein distances between areas, and between perimeter² over area, both in octaves."""
+    if not (len(one.areas) and len(other.areas)):
+        return np.inf, np.inf
+    areas = wasserstein_distance(np.log2(one.areas), np.log2(other.areas))
+    return float(areas), float(wasserstein_distance(np.log2(one.compactness), np.log2(other.compactness)))
+
+
+def _features(picture: Floats) -> Floats:
+    lab = to_lab(np.asarray(picture, np.float32))
+    return np.concatenate([ndimage.gaussian_filter(lab, (each, each, 0), mode="nearest") for each in _BLURS], axis=2)
+
+
+def _nearest(values: Floats, centres: Floats) -> npt.NDArray[np.intp]:
+    flat = values.reshape(-1, values.shape[2])
+    apart = np.square(centres).sum(axis=1)[None] - 2 * flat @ centres.T
+    return np.argmin(apart, axis=1).reshape(values.shape[:2])

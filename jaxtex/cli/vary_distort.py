@@ -1,0 +1,233 @@
+"""`jaxtex vary distort`: a texture whose things are as large, and lie as, fields say."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from jaxtex.cli.progress import reporting
+from jaxtex.core.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from jaxtex.io.images import Image
+
+_LEAST_SCALE, _MOST_SCALE = 0.125, 16.0
+_LEAST_MEMORY = 400  # bytes that each pixel of the result takes
+
+
+@dataclass(frozen=True, kw_only=True)
+class VaryDistort:
+    """Make more of a texture, with things larger or smaller and turned from place to place.
+
+    Neighbourhoods of pixels are scaled and turned before they are compared (Zhang et al. 2003, section 4.1), so things
+    stay whole while they vary. Scale and orientation are numbers, the same everywhere, or maps, or both come from keys:
+    points and strokes with values.
+
+    Example: jaxtex vary distort pebbles.jpg -o shore.png --size 1024x256 --scale size.exr
+
+    Example: jaxtex vary distort reptile.png -o skin.png --keys skin.toml --save skin.npz
+
+    Example: jaxtex vary distort coins.png -o piles.png --size 768x256 --scale size.exr --texton-mask coins_mask.png
+
+    Example: jaxtex vary distort bricks.png -o slanted.png --orientation 30 --scale 0.5
+    """
+
+    exemplar: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="EXEMPLAR")]
+    """The picture of the texture, seen straight on and evenly lit."""
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """The picture to write: .png, .jpg, .tif or .exr."""
+    size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint="")] = None
+    """Its size in pixels. By default the exemplar's."""
+    scale: Annotated[str | None, tyro.conf.arg(metavar="NUMBER|MAP", help_behavior_hint="")] = None
+    """How many times as large as in the exemplar things are: a number, or a picture of one channel that holds such
+    numbers (.exr). It is stretched over the result. By default 1."""
+    orientation: Annotated[str | None, tyro.conf.arg(metavar="DEGREES|MAP", help_behavior_hint="")] = None
+    """How far things are turned, clockwise: degrees, or a picture whose first two channels are (x, y) of the direction
+    in which the exemplar's rows are to run, y down (.exr, of numbers from -1 to 1). By default 0."""
+    keys: Annotated[Path | None, tyro.conf.arg(metavar="KEYS.toml", help_behavior_hint="")] = None
+    """Keys of scale and orientation, as `jaxtex field` takes them."""
+    texton_mask: Annotated[Path | None, tyro.conf.arg(metavar="MASK", help_behavior_hint="")] = None
+    """A mask of the exemplar's size that marks its elements, so that these do not break: two to four values, each for
+    one type of element or the ground."""
+    tileable: bool = False
+    """Make it repeat seamlessly; the fields must do so, too."""
+    neighborhood: int = 7
+    """Side of the squares of pixels that are compared, an odd number."""
+    save: Annotated[Path | None, tyro.conf.arg(metavar="V.npz", help_behavior_hint="")] = None
+    """Write the texture with its fields too, as other commands of `vary` and synthesis on meshes read it."""
+    seed: int = 0
+    """Another number, another piece of the texture."""
+
+    def run(self) -> int:
+        from jaxtex.cli.values import check_memory, check_seed, parse_size
+        from jaxtex.io.images import read_image
+        from jaxtex.synthesis.anisometric import make_frames, sample_sources
+
+        check_seed(self.seed)
+        self._check()
+        image = read_image(self.exemplar)
+        size = (image.width, image.height) if self.size is None else parse_size("--size", self.size)
+        check_memory(f"--size: {size[0]}x{size[1]}", _LEAST_MEMORY * size[0] * size[1])
+        scale, orientation = self._read_fields(size)
+        self._check_neighbourhoods(image, float(scale.min()), float(scale.max()))
+        angles = _angles_of(orientation)
+        sources = self._synthesise(image, scale, angles)
+        frames = make_frames(scale, angles)
+        made = sample_sources(_with_alpha(image), sources, frames)
+        self._write(image, made)
+        if self.save is not None:
+            self._save(made[..., : image.pixels.shape[2]], sources, scale, orientation)
+        print(f"{self.output}: {size[0]} x {size[1]} pixels" + (", tileable" if self.tileable else ""))
+        return 0
+
+    def _check(self) -> None:
+        from jaxtex.io.copies import check_copies
+
+        if self.neighborhood not in range(3, 22, 2):
+            raise InputError(f"--neighborhood: {self.neighborhood} is none; give an odd number from 3 to 21, as 5 or 7")
+        if self.keys is not None and (self.scale is not None or self.orientation is not None):
+            raise InputError("--keys: tells scale and orientation already; leave out --scale and --orientation")
+        inputs = [
+            self.exemplar,
+            self.keys,
+            self.texton_mask,
+            *(Path(word) for word in (self.scale, self.orientation) if word),
+        ]
+        for output in (self.output, self.save):
+            if output is not None and output.resolve() in [each.resolve() for each in inputs if each]:
+                raise InputError(f"{output}: would be written over, and is read; give another name")
+        check_copies(self.exemplar, self.output)
+
+    def _read_fields(self, size: tuple[int, int]) -> tuple["np.ndarray", "np.ndarray"]:
+        """Scale [row, col] and orientation (x, y), [row, col, 2]."""
+        import numpy as np
+
+        from jaxtex.progressive.fields import orientation_field, scale_field
+        from jaxtex.progressive.key_files import make_field, read_keys
+
+        if self.keys is not None:
+            keys = read_keys(self.keys)
+            if not (len(keys.scale) or len(keys.orientation)):
+                raise InputError(f"{self.keys}: has no keys of scale or orientation; give one at least")
+            try:
+                return (
+                    make_field(keys, "scale", size) if len(keys.scale) else np.ones(size[::-1], np.float32),
+                    make_field(keys, "orientation", size) if len(keys.orientation) else _direction(0, size),
+                )
+            except InputError as error:
+                raise InputError(f"{self.keys}: {error}") from None
+        scale, degrees = _number(self.scale or "1"), _number(self.orientation or "0")
+        if scale is not None and not scale > 0:
+            raise InputError(f"--scale: {scale:g} is out of range; give a number above 0")
+        if degrees is not None and not np.isfinite(degrees):
+            raise InputError(f"--orientation: {degrees:g} is no direction; give degrees")
+        sizes = _read_map("--scale", self.scale, 1)[..., 0] if scale is None else np.full((1, 1), scale)
+        turns = _read_map("--orientation", self.orientation, 2) if degrees is None else _direction(degrees, (1, 1))
+        return scale_field(sizes, size), orientation_field(turns, size)
+
+    def _check_neighbourhoods(self, image: "Image", least: float, most: float) -> None:
+        if least < _LEAST_SCALE or most > _MOST_SCALE:
+            raise InputError(
+                f"scale: goes from {least:g} to {most:g}; give values from {_LEAST_SCALE} to {_MOST_SCALE:g}"
+            )
+        if min(image.width, image.height) < self.neighborhood:
+            raise InputError(
+                f"{self.exemplar}: is {image.width} x {image.height} pixels, and neighborhoods are {self.neighborhood} "
+                f"x {self.neighborhood}; give a larger picture, or a smaller --neighborhood"
+            )
+
+    def _synthesise(self, image: "Image", scale: "np.ndarray", angles: "np.ndarray") -> "np.ndarray":
+        import jax
+
+        from jaxtex.cli.synth_methods import encode
+        from jaxtex.progressive.masked import mark_elements
+        from jaxtex.progressive.texton_masks import read_texton_mask
+        from jaxtex.synthesis.anisometric import anisometric_steps
+
+        exemplar = encode(image.pixels, image.alpha)
+        if self.texton_mask is not None:
+            exemplar = mark_elements(exemplar, read_texton_mask(self.texton_mask, (image.width, image.height)))
+        steps = anisometric_steps(
+            exemplar,
+            scale,
+            angles,
+            key=jax.random.key(self.seed),
+            radius=self.neighborhood // 2,
+            tileable=self.tileable,
+        )
+        with reporting(f"making {self.output}") as report:
+            for step in steps:
+                report(step.done, step.total)
+        return step.sources
+
+    def _write(self, image: "Image", made: "np.ndarray") -> None:
+        import numpy as np
+
+        from jaxtex.io.copies import write_as_deep
+        from jaxtex.io.raster import read_raster
+
+        if image.alpha is not None:
+            cover = made[..., -1:]
+            colours = np.divide(made[..., :-1], cover, out=np.zeros_like(made[..., :-1]), where=cover > 0)
+            made = np.concatenate([colours, cover], axis=2)
+        write_as_deep(read_raster(self.exemplar), self.output, made)
+
+    def _save(self, made: "np.ndarray", sources: "np.ndarray", scale: "np.ndarray", orientation: "np.ndarray") -> None:
+        import numpy as np
+
+        from jaxtex.progressive.texton_masks import read_texton_mask
+        from jaxtex.progressive.varying import VaryingTexture, write_varying
+
+        mask = None
+        if self.texton_mask is not None:
+            row, column = np.moveaxis(np.rint(sources).astype(int), -1, 0)
+            mask = read_texton_mask(self.texton_mask)[row, column]
+        assert self.save is not None
+        write_varying(self.save, VaryingTexture.of(made, mask=mask, orientation=orientation, scale=scale))
+        print(f"{self.save}: texture, {'mask, ' if mask is not None else ''}scale and orientation")
+
+
+def _number(word: str) -> float | None:
+    try:
+        return float(word)
+    except ValueError:
+        return None
+
+
+def _direction(degrees: float, size: tuple[int, int]) -> "np.ndarray":
+    import numpy as np
+
+    angle = np.radians(degrees)
+    return np.broadcast_to([np.cos(angle), np.sin(angle)], (*size[::-1], 2))
+
+
+def _angles_of(orientation: "np.ndarray") -> "np.ndarray":
+    import numpy as np
+
+    return np.arctan2(orientation[..., 1], orientation[..., 0])
+
+
+def _read_map(option: str, word: str | None, channels: int) -> "np.ndarray":
+    """The first channels of a picture of numbers."""
+    from jaxtex.io.images import read_image
+
+    path = Path(word or "")
+    if not path.suffix:
+        raise InputError(f"{option}: '{word}' is neither a number nor a picture")
+    values = read_image(path, colour_space="data").pixels
+    if values.shape[2] < channels:
+        raise InputError(f"{option}: {path} has one channel; give a picture whose first two are x and y")
+    return values[..., :channels]
+
+
+def _with_alpha(image: "Image") -> "np.ndarray":
+    """Linear light; with alpha, multiplied by it, and followed by it."""
+    import numpy as np
+
+    if image.alpha is None:
+        return image.pixels
+    cover = image.alpha[..., None]
+    return np.concatenate([image.pixels * cover, cover], axis=2)
