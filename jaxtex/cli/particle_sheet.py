@@ -82,10 +82,11 @@ def _colour(kind: int) -> tuple[float, float, float]:
 
 
 def _fit(picture: Pixels) -> Pixels:
-    """Made smaller, if it is larger than a panel."""
+    """Made smaller, if it is larger than a panel, and larger by a whole number, if it is much smaller."""
     largest = max(picture.shape[:2])
     if largest <= _SIDE:
-        return picture
+        times = _SIDE // largest
+        return picture.repeat(times, axis=0).repeat(times, axis=1)
     size = tuple(max(1, round(side * _SIDE / largest)) for side in picture.shape[1::-1])
     return np.asarray(_to_image(picture).resize(size, Image.Resampling.BOX)) / 255
 
