@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from jaxtex.particles.things import Decomposition
 
 _SHEET = "sheet.png"
+_WRITTEN = ("labels.png", "particles.json", _SHEET)
 
 MaybePath = Annotated[Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="")]
 Switch = Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help_behavior_hint="")]
@@ -90,6 +91,9 @@ class Analyse:
             raise InputError("--classes: goes without --colours, which give a colour to each class")
         if self.ground and not self.colours:
             raise InputError("--ground: goes with --colours; give the things' colours as well")
+        for path in (self.labels, self.polygons):
+            if path is not None and path.resolve() in {(self.output / name).resolve() for name in _WRITTEN}:
+                raise InputError(f"--output: {path} would be written over; give another folder")
         if self.smallest < 0:
             raise InputError(f"--smallest: {self.smallest} is out of range; give 0 or more")
         if not 0 <= self.smoothing <= 100:
@@ -187,7 +191,10 @@ class Show:
     def run(self) -> int:
         from jaxtex.particles.files import read_particles
 
-        return _show(read_particles(self.folder), self.output or self.folder / _SHEET)
+        sheet = self.output or self.folder / _SHEET
+        if sheet.resolve().parent == self.folder.resolve() and sheet.name != _SHEET:
+            raise InputError(f"--output: {sheet} is in the folder that is shown; give a place outside")
+        return _show(read_particles(self.folder), sheet)
 
 
 def _show(folder: "ParticleFolder", sheet: Path) -> int:

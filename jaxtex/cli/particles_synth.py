@@ -131,10 +131,12 @@ class Synth:
                 raise InputError(f"{option}: goes without --composition, whose file says where things are")
         if self.under is not None and self.ground is not None:
             raise InputError("--ground: goes without --under, which is the ground")
+        if self.under is not None and self.scale != 1:
+            raise InputError("--scale: goes without --under; the output has that picture's size")
         if self.under is not None and self.size is not None:
             raise InputError("--size: goes without --under; the output has that picture's size")
         outputs = [path for path in (self.output, self.mask, self.save) if path is not None]
-        inputs = (self.under, self.avoid, self.composition, self.control)
+        inputs = (self.under, self.avoid, self.composition, self.control, *_files_of(self.folder))
         taken = {path.resolve() for path in inputs if path is not None}
         for number, path in enumerate(outputs):
             if path.resolve() in taken | {each.resolve() for each in outputs[:number]}:
@@ -221,16 +223,17 @@ class Synth:
         )
 
 
+def _files_of(folder: Path) -> tuple[Path, ...]:
+    return tuple(path for path in folder.glob("*") if path.stem in ("labels", "particles", "picture"))
+
+
 def _read_placed(path: Path, folder: "ParticleFolder") -> "Composition":
     """A composition's file, once it is known to be of this folder's particles."""
-    from jaxtex.particles.composition import identify_exemplar, read_composition
+    from jaxtex.particles.composition import check_exemplar, read_composition
 
     placed = read_composition(path)
-    if placed.exemplar != identify_exemplar(folder.decomposition):
-        raise InputError(f"{path}: is of other particles than the folder's, or its labels have changed since")
-    if len(placed) and int(placed.particles.max()) >= len(folder.decomposition.particles):
-        raise InputError(
-            f"{path}: places a particle {int(placed.particles.max())}, but there are only 0 to "
-            f"{len(folder.decomposition.particles) - 1}"
-        )
+    try:
+        check_exemplar(placed, folder.decomposition)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
     return placed

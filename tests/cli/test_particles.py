@@ -211,7 +211,7 @@ def test_a_composition_of_other_particles_is_refused(folder: Path, tmp_path: Pat
     document = json.loads((tmp_path / "a.json").read_text())
     document["exemplar"]["sha256"] = "0" * 64
     (tmp_path / "a.json").write_text(json.dumps(document))
-    with pytest.raises(InputError, match="other particles"):
+    with pytest.raises(InputError, match="made of 20 particles"):
         run(Synth, folder, "-o", tmp_path / "b.png", "--composition", tmp_path / "a.json")
 
 
