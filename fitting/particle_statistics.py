@@ -61,8 +61,7 @@ def resample(picture: ClassStatistics, count: int, rng: np.random.Generator) -> 
         def pick(size: int) -> np.ndarray:
             return rng.choice(sample.values, size, p=sample.weights / sample.weights.sum())
 
-        known = int((sample.weights > 0).sum())
-        return Sample(pick(min(known, count)), np.ones(min(known, count)))
+        return Sample(pick(count), np.ones(count))
 
     return jt.compare_statistics(picture, picture._replace(**{name: draw(getattr(picture, name)) for name in DRAWN}))
 
@@ -83,7 +82,8 @@ def judge_picture(path: Path, seeds: int) -> list[list[str]]:
             for kind, statistics in enumerate(jt.measure_composition(made, found)):
                 results.setdefault((kind, way), []).append(jt.compare_statistics(pictures[kind], statistics))
         for kind in np.flatnonzero(complete >= FEWEST):
-            results.setdefault((int(kind), "alike"), []).append(resample(pictures[kind], len(made), rng))
+            count = int(np.sum(made.kinds == kind))
+            results.setdefault((int(kind), "alike"), []).append(resample(pictures[kind], count, rng))
     for kind in np.flatnonzero(complete >= FEWEST):
         for way in ("random", "seeded", "relaxed", "alike"):
             distance, direction, size, area = np.mean(results[int(kind), way], axis=0)

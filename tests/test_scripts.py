@@ -220,8 +220,8 @@ def test_a_row_shows_things_outlined_and_arranged_anew(script: ModuleType, monke
     row, column = np.indices((90, 90)) % 30 - 15
     things = np.hypot(row, column) < 8
     drawn, said = script.arrange_anew(np.where(things, 0.1, 0.6)[..., None])
-    assert drawn.shape == (96, 4 * 96, 3)
-    picture, outlined, ground, new = np.split(drawn, 4, axis=1)
+    assert drawn.shape == (96, 5 * 96, 3)
+    picture, outlined, seeded, relaxed, lapped = np.split(drawn, 5, axis=1)
     ground_alone = np.hypot(row, column) > 11
     np.testing.assert_allclose(outlined[:90, :90][ground_alone], 0.35 * picture[:90, :90][ground_alone], rtol=1e-5)
     assert ground.min() > 0.5
@@ -259,3 +259,6 @@ def test_coats_repeat_at_their_borders(script: ModuleType) -> None:
             steps = np.abs(np.diff(coat.pixels, axis=axis, append=coat.pixels.take([0], axis))).mean(axis=2)
             seam = steps.take(-1, axis).mean()
             assert seam < 1.5 * steps.mean()
+    for new in (seeded, relaxed, lapped):
+        assert np.mean(new < 0.5) == pytest.approx(things.mean(), rel=0.3)
+    assert said[:4] == ["9", "0", "1", "9"]

@@ -6,6 +6,7 @@ from math import cos, sin
 import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw
+from scipy.ndimage import find_objects
 from skimage.segmentation import find_boundaries
 
 from jaxtex.cli.contact_sheet import Cell, draw_contact_sheet, lay_out
@@ -82,10 +83,11 @@ def _colour(kind: int) -> tuple[float, float, float]:
 
 
 def _fit(picture: Pixels) -> Pixels:
-    """Made smaller, if it is larger than a panel."""
+    """Made smaller, if it is larger than a panel, and larger by a whole number, if it is much smaller."""
     largest = max(picture.shape[:2])
     if largest <= _SIDE:
-        return picture
+        times = _SIDE // largest
+        return picture.repeat(times, axis=0).repeat(times, axis=1)
     size = tuple(max(1, round(side * _SIDE / largest)) for side in picture.shape[1::-1])
     return np.asarray(_to_image(picture).resize(size, Image.Resampling.BOX)) / 255
 
@@ -123,15 +125,15 @@ def _show_members(picture: Pixels, decomposition: Decomposition, kind: int) -> P
     numbers.sort(key=lambda i: -decomposition.particles[i].area)
     row = column = _MARGIN
     shelf = 0
+    around = find_objects(decomposition.labels)
     for number in numbers:
-        mask = decomposition.labels == number + 1
-        rows, columns = (slice(ends[0], ends[-1] + 1) for ends in (np.flatnonzero(mask.any(axis)) for axis in (1, 0)))
-        height, width = mask[rows, columns].shape
+        rows, columns = around[number]
+        height, width = rows.stop - rows.start, columns.stop - columns.start
         if column + width > _SIDE - _MARGIN:
             row, column, shelf = row + shelf + _GAP, _MARGIN, 0
         if row + height > _SIDE - _MARGIN or width > _SIDE - 2 * _MARGIN:
             continue
-        cover = mask[rows, columns, None]
+        cover = decomposition.labels[rows, columns, None] == number + 1
         place = panel[row : row + height, column : column + width]
         place[:] = np.where(cover, picture[rows, columns], place)
         column, shelf = column + width + _GAP, max(shelf, height)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from jaxtex.particles.things import Decomposition
 
 _SHEET = "sheet.png"
+_WRITTEN = ("labels.png", "particles.json", _SHEET)
 
 MaybePath = Annotated[Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="")]
 Switch = Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(help_behavior_hint="")]
@@ -63,6 +64,8 @@ class Analyse:
     """A file of outlines (JSON, as labelme saves it)."""
     labels: MaybePath = None
     """A painted picture of the things."""
+    smallest: Annotated[int, tyro.conf.arg(metavar="PIXELS")] = 0
+    """Leave out what has fewer pixels."""
     label_classes: Switch = False
     """Each colour of --labels is a class of its own."""
     find: Switch = False
@@ -77,6 +80,7 @@ class Analyse:
 
         image = read_image(self.exemplar)
         found, names = self._take_apart(image)
+        found, names = self._leave_out(found, names)
         write_particles(prepare_folder(self.output), image, found, names=names)
         return _show(read_particles(self.output), self.output / _SHEET)
 
@@ -87,6 +91,11 @@ class Analyse:
             raise InputError("--classes: goes without --colours, which give a colour to each class")
         if self.ground and not self.colours:
             raise InputError("--ground: goes with --colours; give the things' colours as well")
+        for path in (self.labels, self.polygons):
+            if path is not None and path.resolve() in {(self.output / name).resolve() for name in _WRITTEN}:
+                raise InputError(f"--output: {path} would be written over; give another folder")
+        if self.smallest < 0:
+            raise InputError(f"--smallest: {self.smallest} is out of range; give 0 or more")
         if not 0 <= self.smoothing <= 100:
             raise InputError(f"--smoothing: {self.smoothing:g} is out of range; give 0 to 100 pixels")
         if self.polygons is not None and self.labels is not None:
@@ -109,6 +118,25 @@ class Analyse:
         named = names is not None
         joined = join_things(image.pixels, things, self._look(image), named=named)
         return joined, _name_all(names, joined.kinds)
+
+    def _leave_out(
+        self, found: "Decomposition", names: tuple[str, ...] | None
+    ) -> tuple["Decomposition", tuple[str, ...] | None]:
+        """Without what is too small, and classes of which nothing else is there."""
+        import numpy as np
+
+        from jaxtex.particles.things import describe_particles
+
+        large = np.array([each.area >= self.smallest for each in found.particles])
+        if large.all():
+            return found, names
+        if not large.any():
+            raise InputError(f"--smallest: nothing has {self.smallest} pixels; give fewer")
+        labels = np.where(np.append(False, large)[found.labels], found.labels, 0)
+        kept, kinds = np.unique(
+            [each.kind for each in found.particles if each.area >= self.smallest], return_inverse=True
+        )
+        return describe_particles(labels, kinds), None if names is None else tuple(names[kind] for kind in kept)
 
     def _cut(self, image: "Image") -> tuple["Decomposition", tuple[str, ...] | None] | None:
         """What was cut out by hand, and the names of its classes if it has any."""
@@ -163,7 +191,10 @@ class Show:
     def run(self) -> int:
         from jaxtex.particles.files import read_particles
 
-        return _show(read_particles(self.folder), self.output or self.folder / _SHEET)
+        sheet = self.output or self.folder / _SHEET
+        if sheet.resolve().parent == self.folder.resolve() and sheet.name != _SHEET:
+            raise InputError(f"--output: {sheet} is in the folder that is shown; give a place outside")
+        return _show(read_particles(self.folder), sheet)
 
 
 def _show(folder: "ParticleFolder", sheet: Path) -> int:
@@ -227,13 +258,13 @@ def _cut_polygons(path: Path, image: "Image", kinds: int | None) -> tuple["Decom
     from jaxtex.particles.scissors import cut_polygons, read_polygons
     from jaxtex.particles.things import describe_particles
 
-    polygons = read_polygons(path)
+    polygons = read_polygons(path, (image.width, image.height))
     try:
         labels = cut_polygons(polygons, (image.height, image.width))
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     names = tuple(dict.fromkeys(each.name for each in polygons))
-    if len(names) == 1:
+    if names == ("",):
         return describe_particles(labels, _class_by_colour(image, labels, kinds)), None
     return describe_particles(labels, [names.index(each.name) for each in polygons]), names
 

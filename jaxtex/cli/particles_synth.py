@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _SIZE = 1024, 1024
 _BYTES = 100  # of memory to a pixel, at the most
+_LIKE = 0.02  # by which shapes of pictures that are stretched over each other may differ
 _HALF = 0.5  # what is lighter in a mask is white
 
 MaybePath = Annotated[Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="")]
@@ -28,9 +29,10 @@ class Synth:
 
     --control takes a file of wishes, a [[control]] table for each, with any of these lines:
     classes = [0], which classes; where = {map = "mask.png"}, in which part; by default all and everywhere.
-    density = 2, how many times as many; size = 0.5, as large; orientation = 30, degrees; colour = [1, 0.5, 0.5], times
-    as much red, green and blue; probability = 0.5, of being seen; least_distance = 40, pixels between centres;
-    size_variation = 0.3 and orientation_variation = 90, at random; weights = {3 = 0}, of single things.
+    density = 2, how many times as many, though they may overlap; size = 0.5, how large they are and how far apart, so
+    that half the size is four times as many, but with density = 0.25; orientation = 30, degrees; colour = [1, 0.5,
+    0.5], times as much red, green and blue; probability = 0.5, of being seen; least_distance = 40, pixels between
+    centres; size_variation = 0.3 and orientation_variation = 90, at random; weights = {3 = 0}, of single things.
     Each number may be one for each place: {from = 1, to = 0.4, start = [0, 0], end = [1, 0]}, {inside = 0, outside = 1,
     centre = [0.5, 0.5], radius = 0.3}, in parts of the picture's sides, or {map = "grey.png", low = 0, high = 2}.
 
@@ -104,6 +106,8 @@ class Synth:
         picture = linear_to_srgb(folder.image.pixels)
         if below is not None and below.shape[-1] > picture.shape[-1]:
             picture = np.repeat(picture, below.shape[-1], axis=-1)
+        if below is not None and below.shape[-1] < picture.shape[-1]:
+            below = np.repeat(below, picture.shape[-1], axis=-1)
         ground = self._make_ground(picture, folder, placed) if below is None else below
         drawn = paint_composition(placed, picture, folder.decomposition, ground, halos=below is None)
         write_image(self.output, srgb_to_linear(drawn))
@@ -111,11 +115,12 @@ class Synth:
             write_mask(self.mask, label_composition(placed, folder.decomposition) > 0)
         if self.save is not None:
             write_composition(self.save, placed)
-        print(f"{len(placed)} things; look at {self.output}")
+        print(f"{len(placed)} {'thing' if len(placed) == 1 else 'things'} placed; look at {self.output}")
         return 0
 
     def _check(self) -> None:
         from jaxtex.io.files import place_for_file
+        from jaxtex.io.images import check_image_name
 
         if not 0.01 <= self.scale <= 100:
             raise InputError(f"--scale: {self.scale:g} is out of range; give 0.01 to 100")
@@ -124,15 +129,22 @@ class Synth:
         for option, value in given.items():
             if self.composition is not None and value is not None:
                 raise InputError(f"{option}: goes without --composition, whose file says where things are")
+        if self.under is not None and self.ground is not None:
+            raise InputError("--ground: goes without --under, which is the ground")
+        if self.under is not None and self.scale != 1:
+            raise InputError("--scale: goes without --under; the output has that picture's size")
         if self.under is not None and self.size is not None:
             raise InputError("--size: goes without --under; the output has that picture's size")
         outputs = [path for path in (self.output, self.mask, self.save) if path is not None]
-        inputs = (self.under, self.avoid, self.composition, self.control)
+        inputs = (self.under, self.avoid, self.composition, self.control, *_files_of(self.folder))
         taken = {path.resolve() for path in inputs if path is not None}
         for number, path in enumerate(outputs):
             if path.resolve() in taken | {each.resolve() for each in outputs[:number]}:
                 raise InputError(f"{path}: would be written over; give another name")
             place_for_file(path)
+        for picture in (self.output, self.mask):
+            if picture is not None:
+                check_image_name(picture)
 
     def _read_below(self) -> "np.ndarray | None":
         if self.under is None:
@@ -191,7 +203,13 @@ class Synth:
 
         controls = () if self.control is None else read_controls(self.control, size)
         if self.avoid is not None:
-            controls = (*controls, Control(probability=map_field(read_mask(self.avoid) < _HALF, size)))
+            mask = read_mask(self.avoid)
+            if abs(mask.shape[1] * size[1] / (mask.shape[0] * size[0]) - 1) > _LIKE:
+                raise InputError(
+                    f"--avoid: {self.avoid} is {mask.shape[1]} x {mask.shape[0]}, and the output {size[0]} x "
+                    f"{size[1]}; give a mask of that shape"
+                )
+            controls = (*controls, Control(probability=map_field(mask < _HALF, size)))
         return controls
 
     def _make_ground(self, picture: "np.ndarray", folder: "ParticleFolder", placed: "Composition") -> "np.ndarray":
@@ -205,16 +223,17 @@ class Synth:
         )
 
 
+def _files_of(folder: Path) -> tuple[Path, ...]:
+    return tuple(path for path in folder.glob("*") if path.stem in ("labels", "particles", "picture"))
+
+
 def _read_placed(path: Path, folder: "ParticleFolder") -> "Composition":
     """A composition's file, once it is known to be of this folder's particles."""
-    from jaxtex.particles.composition import identify_exemplar, read_composition
+    from jaxtex.particles.composition import check_exemplar, read_composition
 
     placed = read_composition(path)
-    if placed.exemplar != identify_exemplar(folder.decomposition):
-        raise InputError(f"{path}: is of other particles than the folder's, or its labels have changed since")
-    if len(placed) and int(placed.particles.max()) >= len(folder.decomposition.particles):
-        raise InputError(
-            f"{path}: places a particle {int(placed.particles.max())}, but there are only 0 to "
-            f"{len(folder.decomposition.particles) - 1}"
-        )
+    try:
+        check_exemplar(placed, folder.decomposition)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
     return placed

@@ -145,7 +145,9 @@ def _learn_class(decomposition: Decomposition, kinds: Sequence[int], kind: int) 
             return Listed(members, lists, owners, neighbours, coherent, *frames, *closeness, density)
     height, width = decomposition.labels.shape
     apart = [hypot(boxes[i].x - boxes[j].x, boxes[i].y - boxes[j].y) for i, j in combinations(numbers, 2)]
-    return Scattered(members, tuple(apart) or (float(width), float(height)), density)
+    # Of a ring and what is in its middle, no distance is known.
+    known = tuple(each for each in apart if each >= 1)
+    return Scattered(members, known or (float(width), float(height)), density)
 
 
 def _measure_density(decomposition: Decomposition, numbers: Sequence[int], members: Sequence[int]) -> float:

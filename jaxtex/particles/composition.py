@@ -294,8 +294,8 @@ def _check_rows(path: Path | str, document: Mapping[str, Any]) -> None:
         for name, value in (("class", kind), ("particle", particle)):
             if value != int(value) or not 0 <= value <= most:
                 raise InputError(f"{path}: placed[{index}]: {name} is {value}; it must be a whole number from 0")
-        if scale <= 0:
-            raise InputError(f"{path}: placed[{index}]: scale is {scale}; it must be more than 0")
+        if not 1e-3 <= scale <= 1e3:
+            raise InputError(f"{path}: placed[{index}]: scale is {scale:g}; it must be from 0.001 to 1000")
         for name, gain in zip(("red", "green", "blue"), gains, strict=True):
             if gain < 0:
                 raise InputError(f"{path}: placed[{index}]: {name} is {gain}; it must be at least 0")

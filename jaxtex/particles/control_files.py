@@ -28,6 +28,7 @@ from jaxtex.io.masks import read_mask
 from jaxtex.particles.controls import LIMITS, Control, range_of
 from jaxtex.particles.fields import Amount, linear_field, map_field, radial_field
 
+_FARTHEST = 10  # of the plane's sides: who gives more means pixels
 _DEGREES = ("orientation", "orientation_variation")
 _FORMS = {
     "map": ({"map"}, {"low", "high"}),
@@ -190,6 +191,8 @@ def _read_place(key: _Key, name: str, value: Any) -> tuple[float, float]:
     if not isinstance(value, list) or len(value) != 2:
         raise key.fault(f"{name} is {value!r}; give [x, y] in parts of the plane's sides, as [0.5, 0.5]")
     x, y = (_read_number(key, name, each) for each in value)
+    if max(abs(x), abs(y)) > _FARTHEST:
+        raise key.fault(f"{name} is [{x:g}, {y:g}]; give parts of the plane's sides, as [0.5, 0.5], and not pixels")
     return x * key.size[0], y * key.size[1]
 
 

@@ -7,6 +7,8 @@ import numpy.typing as npt
 from scipy import ndimage
 from scipy.cluster.vq import kmeans2
 
+from jaxtex.core.errors import InputError
+
 Map = npt.NDArray[np.float32]
 Labels = npt.NDArray[np.int32]
 
@@ -27,6 +29,9 @@ def class_things(lab: Map, labels: Labels, kinds: int | None = None) -> npt.NDAr
     Returns:
         The class of each thing from 0, in the order of their numbers, [thing].
 
+    Raises:
+        InputError: there are not so many colours.
+
     Examples:
         >>> lab = np.full((4, 6, 3), 50, np.float32)
         >>> lab[1, 1] = lab[1, 3] = 80
@@ -38,9 +43,10 @@ def class_things(lab: Map, labels: Labels, kinds: int | None = None) -> npt.NDAr
     numbers = np.unique(labels[labels > 0])
     means = np.stack([ndimage.mean(lab[..., i], labels, numbers) for i in range(3)], axis=1).astype(np.float32)
     classes = np.zeros(len(numbers), np.intp)
-    for count in range(2, _MOST_KINDS + 1) if kinds is None else [kinds]:
-        if count > len(np.unique(means.round(2), axis=0)):
-            break
+    distinct = len(np.unique(means.round(2), axis=0))
+    if kinds is not None and kinds > distinct:
+        raise InputError(f"classes: {kinds} are asked for, but things have only {distinct} colours; give fewer")
+    for count in range(2, min(_MOST_KINDS, distinct) + 1) if kinds is None else [kinds]:
         centres = kmeans2(means, count, minit="++", seed=0, iter=50)[0]
         tried = nearest_centre(means, centres)
         apart = min(np.linalg.norm(a - b) for a, b in itertools.combinations(centres, 2)) if count > 1 else np.inf

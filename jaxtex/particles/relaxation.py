@@ -57,8 +57,11 @@ def relax_composition(
     picture are pressed apart. Particles keep their class, number, angle and scale, and none is added or taken away.
     That corrects what seeding cannot know (Dischler et al., section 5): how classes lie to each other.
 
+    Distances are the picture's, in its pixels: what controls have made denser or larger is drawn back to these, and a
+    composition is relaxed before it is drawn at another resolution.
+
     Args:
-        composition: of the particles of `decomposition`, as `seed_composition` makes it.
+        composition: of the particles of `decomposition`, as `seed_composition` makes it without controls.
         decomposition: the picture taken apart.
         fixed: which particles stay where they are, bool [placed]; by default none.
         rounds: how often neighbours are looked up anew; 0 leaves all as it is.
@@ -105,7 +108,10 @@ def relax_composition(
     forms[:, :2] *= composition.scales[:, None]
     # Boxes that interlock in the picture do not elsewhere, so that what is further apart at first stays so.
     least = np.maximum(least, measure_least_gaps(pattern_of_composition(composition), forms, kinds))
-    unit = float(np.asarray(scales.unit).reshape(kinds, kinds).diagonal().min())
+    # A class of one alone tells nothing of distances.
+    units = np.asarray(scales.unit).reshape(kinds, kinds).diagonal()
+    several = np.bincount(exemplar.kinds, minlength=kinds) > 1
+    unit = float(units[several].min()) if several.any() else 1.0
     free = as_device(pad_rows(1.0 - held.astype(float), room))
     for turn in range(rounds):
         angles = np.pi * (np.arange(_AXES) + turn * _TURN % 1) / _AXES

@@ -33,6 +33,7 @@ _LEAST_ROOM = 0.25
 """Of the side of the square that each particle has on average: how close none comes to another. Things strewn at random
 keep no distance at all, and would find room without end."""
 
+_MOST = 1 << 20  # particles of a class
 _SURPLUS = 1.15  # times the picture's density: where more have found room, some are taken away
 
 
@@ -139,6 +140,8 @@ def _sow_kind(
             f"take {widest:.0f} pixels; give a larger one"
         )
     enough = rule.density * abundance * plane.width * plane.height
+    if enough > _MOST:
+        raise ValueError(f"{enough:.0f} particles of a class are asked for, {_MOST} are the most; give a lower density")
     # Things that interlock in the picture do not elsewhere: where too many find room, their boxes keep more apart.
     for allowed in (overlap, 0.5 * overlap, 0.0) if overlap > 0 else (0.0,):
         grid: Grid[Placed] = Grid(plane, max(widest, largest * apart, furthest))

@@ -46,7 +46,7 @@ def find_particles(pixels: npt.ArrayLike, *, kinds: int | None = None) -> Decomp
     levels = make_levels(lab)
     labels, most = find_by_joints(lab, levels)
     on_ground = find_by_ground(lab)
-    if rate_things(on_ground, levels) > most:
+    if not labels.any() or rate_things(on_ground, levels) > most:
         labels = on_ground
     if labels.max() == 0:
         raise InputError("picture: nothing stands out of a ground; paint the things as a label image")

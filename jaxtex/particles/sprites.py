@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
+from jaxtex.core.errors import InputError
 from jaxtex.particles.things import Decomposition
 
 _SOFT = 2.0  # pixels from a particle: up to there its edge fades, with the colours that the picture has there
@@ -22,6 +23,8 @@ _GAPS = 1.0  # of how wide gaps between things are as a rule: likewise
 _LEAST_REACH = 4.0  # pixels
 _BEYOND = 2.0  # times as far from its own thing as from another one: where a halo has faded
 _BORDER = 3.0  # pixels along the picture's border in which halos fade
+
+_MOST_PIXELS = 1 << 26  # of one particle that is drawn
 
 Floats = npt.NDArray[np.float32]
 Window = tuple[slice, slice]
@@ -60,11 +63,13 @@ def transform_cut(cut: Cut, angle: float, scale: float) -> Cut:
     forward = scale * np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])  # of (row, col)
     corners = np.array([[y - cut.y, x - cut.x] for y in (0, height) for x in (0, width)]) @ forward.T
     low, high = np.floor(corners.min(axis=0) - 0.5), np.ceil(corners.max(axis=0) + 0.5)
+    if np.prod(high - low) > _MOST_PIXELS:
+        raise InputError(f"a particle of {width} x {height} pixels is too large to be drawn {scale:g} times as large")
     backward = np.linalg.inv(forward)
     offset = backward @ (low + 0.5) + np.array([cut.y, cut.x]) - 0.5
     planes = np.pad(cut.planes, [(1, 1), (1, 1), (0, 0)])
     if scale < 1:  # larger steps than a pixel would leave out what lies between
-        blur = 0.5 * (1 / scale - 1)
+        blur = min(0.5 * (1 / scale - 1), max(height, width))
         planes = ndimage.gaussian_filter(planes, (blur, blur, 0), mode="constant")
     row, column = np.arange(high[0] - low[0]), np.arange(high[1] - low[1])
     down = offset[0] + 1 + backward[0, 0] * row[:, None] + backward[0, 1] * column

@@ -124,9 +124,9 @@ def compare_statistics(picture: ClassStatistics, made: ClassStatistics) -> Class
         made: of a composition, by `measure_composition`.
     """
     return ClassDistances(
-        _wasserstein(picture.distances, made.distances) / picture.distances.mean,
+        _wasserstein(picture.distances, made.distances) / (picture.distances.mean or float("nan")),
         float(np.degrees(circular_wasserstein(picture.directions, made.directions, np.pi))),
-        _wasserstein(picture.sizes, made.sizes) / picture.sizes.mean,
+        _wasserstein(picture.sizes, made.sizes) / (picture.sizes.mean or float("nan")),
         abs(made.area - picture.area) / picture.area if picture.area else float("nan"),
     )
 

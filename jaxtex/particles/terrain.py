@@ -72,7 +72,8 @@ class Terrain:
         x = (column + 0.5) * (plane.width / self._columns)
         y = (row + 0.5) * (plane.height / self._rows)
         effects = combine_controls(controls, x, y)
-        effects = effects._replace(spacing=np.maximum(effects.spacing, effects.least_distance / usual))
+        if usual > 0:
+            effects = effects._replace(spacing=np.maximum(effects.spacing, effects.least_distance / usual))
         weighing = [control for control in controls if control.weights]
         self._weights = [[control.weights.get(number, 1.0) for control in weighing] for number in members]
         regions = [region_of(control, x, y) for control in weighing]

@@ -66,7 +66,7 @@ def lap_patches(
         Colours, [*shape, channel].
 
     Raises:
-        ValueError: arrays of another form, NaN or infinite values, no usable pixel, a radius that is not above 0.
+        ValueError: arrays of another form, NaN or infinite values, no usable pixel, a radius below 2.
 
     Examples:
         >>> grain = np.random.default_rng(0).random((40, 40, 3))
@@ -75,8 +75,8 @@ def lap_patches(
     """
     exemplar = check_picture(pixels, "exemplar")
     rows, columns = check_shape(shape)
-    if radius is not None and not (np.isfinite(radius) and radius > 0):
-        raise ValueError(f"radius: {radius} is none; give a number above 0")
+    if radius is not None and not (np.isfinite(radius) and radius >= 2):
+        raise ValueError(f"radius: {radius} is too small; give 2 pixels or more")
     allowed = np.ones(exemplar.shape[:2], bool) if usable is None else np.asarray(usable, bool)
     if allowed.shape != exemplar.shape[:2] or not allowed.any():
         raise ValueError(f"usable of shape {allowed.shape}: give {exemplar.shape[:2]}, with some pixels that are")

@@ -1,7 +1,6 @@
 """`jaxtex particles`: a picture made of things, taken apart, shown, and arranged anew; and what cannot be."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -139,9 +138,6 @@ def test_things_are_laid_over_another_picture_where_it_is_free(folder: Path, tmp
     assert min(places) >= 99
 
 
-Write = Callable[[Path], tuple[object, ...]]
-
-
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -154,6 +150,8 @@ Write = Callable[[Path], tuple[object, ...]]
         (("--smoothing", "-1", "--colours", "ff0000"), "--smoothing"),
         (("--label-classes",), "--label-classes: goes with --labels"),
         (("--find",), "--find: goes with"),
+        (("--smallest", "9999"), "--smallest: nothing has 9999 pixels"),
+        (("--smallest", "-1"), "--smallest: -1 is out of range"),
         (("--labels", "nowhere.png"), r"nowhere\.png: there is no such file"),
         (("--polygons", "nowhere.json"), r"nowhere\.json: there is no such file"),
     ],
@@ -195,6 +193,8 @@ def test_pictures_that_cannot_be_taken_apart(spots: Path, tmp_path: Path) -> Non
         (("--composition", "nowhere.json", "--size", "60x60"), "--size: goes without --composition"),
         (("--under", "nowhere.png", "--size", "60x60"), "--size: goes without --under"),
         (("--avoid", "out.png"), r"out\.png: would be written over"),
+        (("--mask", "mask.gif"), "cannot be written as '.gif'"),
+        (("--ground", "noise", "--under", "nowhere.png"), "--ground: goes without --under"),
     ],
 )
 def test_wishes_that_cannot_be_met_in_arranging(
@@ -211,8 +211,22 @@ def test_a_composition_of_other_particles_is_refused(folder: Path, tmp_path: Pat
     document = json.loads((tmp_path / "a.json").read_text())
     document["exemplar"]["sha256"] = "0" * 64
     (tmp_path / "a.json").write_text(json.dumps(document))
-    with pytest.raises(InputError, match="other particles"):
+    with pytest.raises(InputError, match="made of 20 particles"):
         run(Synth, folder, "-o", tmp_path / "b.png", "--composition", tmp_path / "a.json")
+
+
+def test_small_things_are_left_out(tmp_path: Path) -> None:
+    picture = draw_spots()
+    picture[2:5, 2:5] = (0.02, 0.02, 0.4)
+    write_image(tmp_path / "a.png", picture)
+    words = ("--colours", "12,12", "272797", "--ground", "24,12", "--smoothing", "0")
+    counts = []
+    for smallest in (0, 30):
+        assert run(Analyse, tmp_path / "a.png", "-o", tmp_path / "a", *words, "--smallest", smallest) == 0
+        counts.append(
+            np.bincount([each.kind for each in read_particles(tmp_path / "a").decomposition.particles]).tolist()
+        )
+    assert counts == [[20, 1], [20]]
 
 
 def test_one_thing_alone(tmp_path: Path) -> None:

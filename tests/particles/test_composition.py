@@ -77,7 +77,7 @@ def test_each_placed_particle_has_a_line(tmp_path: Path) -> None:
             r"placed\[0\]: particle is 1.5; it must be a whole number from 0",
         ),
         ({"placed": [[-1, 1, 3, 3, 0, 1, 1, 1, 1]]}, r"placed\[0\]: class is -1; it must be a whole number from 0"),
-        ({"placed": [[0, 1, 3, 3, 0, 0, 1, 1, 1]]}, r"placed\[0\]: scale is 0; it must be more than 0"),
+        ({"placed": [[0, 1, 3, 3, 0, 0, 1, 1, 1]]}, r"placed\[0\]: scale is 0; it must be from 0.001 to 1000"),
         ({"placed": [[0, 1, 3, 3, 0, 1]]}, r"placed\[0\] is .*; it must be a list of 9"),
         ({"placed": [[0, 1, "left", 3, 0, 1, 1, 1, 1]]}, r"placed\[0\]\[2\] is \"left\"; it must be a number"),
         ({"placed": [[0, 1, 3, 3, 0, 1, 1, -1, 1]]}, r"placed\[0\]: green is -1; it must be at least 0"),
