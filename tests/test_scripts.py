@@ -224,9 +224,9 @@ def test_a_row_shows_things_outlined_and_arranged_anew(script: ModuleType, monke
     picture, outlined, seeded, relaxed, lapped = np.split(drawn, 5, axis=1)
     ground_alone = np.hypot(row, column) > 11
     np.testing.assert_allclose(outlined[:90, :90][ground_alone], 0.35 * picture[:90, :90][ground_alone], rtol=1e-5)
-    assert ground.min() > 0.5
-    assert np.mean(new < 0.5) == pytest.approx(things.mean(), rel=0.3)
-    assert said[:3] == ["9", "9", "1"]
+    for new in (seeded, relaxed, lapped):
+        assert np.mean(new < 0.5) == pytest.approx(things.mean(), rel=0.3)
+    assert said[:4] == ["9", "0", "1", "9"]
 
 
 @pytest.mark.parametrize("script", ["reaction_diffusion"], indirect=True)
@@ -259,6 +259,3 @@ def test_coats_repeat_at_their_borders(script: ModuleType) -> None:
             steps = np.abs(np.diff(coat.pixels, axis=axis, append=coat.pixels.take([0], axis))).mean(axis=2)
             seam = steps.take(-1, axis).mean()
             assert seam < 1.5 * steps.mean()
-    for new in (seeded, relaxed, lapped):
-        assert np.mean(new < 0.5) == pytest.approx(things.mean(), rel=0.3)
-    assert said[:4] == ["9", "0", "1", "9"]
