@@ -159,9 +159,15 @@ if TYPE_CHECKING:
     from jaxtex.photo.segment import colour_mask as colour_mask
     from jaxtex.photo.segment import pick_colours as pick_colours
     from jaxtex.photo.segment import threshold_mask as threshold_mask
+    from jaxtex.progressive.blending import Blend as Blend
+    from jaxtex.progressive.blending import blend_masks as blend_masks
+    from jaxtex.progressive.blending import blend_textures as blend_textures
+    from jaxtex.progressive.blending import transition_weights as transition_weights
     from jaxtex.progressive.fields import orientation_field as orientation_field
     from jaxtex.progressive.fields import scale_field as scale_field
     from jaxtex.progressive.fields import transition_field as transition_field
+    from jaxtex.progressive.filtering import filter_mask as filter_mask
+    from jaxtex.progressive.filtering import filter_mask_steps as filter_mask_steps
     from jaxtex.progressive.key_files import FieldKeys as FieldKeys
     from jaxtex.progressive.key_files import make_field as make_field
     from jaxtex.progressive.key_files import read_keys as read_keys
@@ -179,6 +185,9 @@ if TYPE_CHECKING:
     from jaxtex.progressive.varying import VaryingTexture as VaryingTexture
     from jaxtex.progressive.varying import read_varying as read_varying
     from jaxtex.progressive.varying import write_varying as write_varying
+    from jaxtex.progressive.warping import displace_elements as displace_elements
+    from jaxtex.progressive.warping import grow_mask as grow_mask
+    from jaxtex.progressive.warping import warp_mask as warp_mask
     from jaxtex.synthesis.anisometric import Transition as Transition
     from jaxtex.synthesis.anisometric import make_frames as make_frames
     from jaxtex.synthesis.anisometric import sample_sources as sample_sources
@@ -339,6 +348,15 @@ _PUBLIC = {
     "measure_picture": "jaxtex.particles.statistics",
     "measure_composition": "jaxtex.particles.statistics",
     "compare_statistics": "jaxtex.particles.statistics",
+    "Blend": "jaxtex.progressive.blending",
+    "blend_masks": "jaxtex.progressive.blending",
+    "blend_textures": "jaxtex.progressive.blending",
+    "transition_weights": "jaxtex.progressive.blending",
+    "filter_mask": "jaxtex.progressive.filtering",
+    "filter_mask_steps": "jaxtex.progressive.filtering",
+    "displace_elements": "jaxtex.progressive.warping",
+    "grow_mask": "jaxtex.progressive.warping",
+    "warp_mask": "jaxtex.progressive.warping",
     "orientation_field": "jaxtex.progressive.fields",
     "scale_field": "jaxtex.progressive.fields",
     "transition_field": "jaxtex.progressive.fields",

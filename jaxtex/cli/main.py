@@ -48,6 +48,8 @@ COMMANDS = (
         "jaxtex.cli.vary_distort:VaryDistort",
         "make a texture whose things change in size and direction",
     ),
+    Command("vary warp", "jaxtex.cli.vary_warp:VaryWarp", "make a texture whose elements change in shape"),
+    Command("vary blend", "jaxtex.cli.vary_blend:VaryBlend", "make a texture that becomes another, shapes and colours"),
     Command("compare", "jaxtex.cli.compare:Compare", "show what each method of synth makes of a picture, on one sheet"),
     Command("field", "jaxtex.cli.field:Field", "make a field over a picture from keys: scale, transition, orientation"),
     Command(

@@ -13,23 +13,22 @@ Blending Operator", 2018), so a threshold is known at which elements cover, at e
 they cover in the textures; nobody selects it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import jax
 import numpy as np
 import numpy.typing as npt
 from jax import Array
-from scipy import ndimage
 from scipy.stats import norm, rankdata
 
+from jaxtex.core.errors import InputError
 from jaxtex.progressive.filtering import MASK_WEIGHT, filter_mask
-from jaxtex.progressive.masked import synthesise_masked
+from jaxtex.progressive.masked import masked_steps
 from jaxtex.progressive.texton_masks import Labels, check_texton_mask
 from jaxtex.progressive.warping import signed_distance
 from jaxtex.synthesis.anisometric import sample_sources
 
-_BLUR = 1.0  # pixels, standard deviation, of signed distances: corners where borders of several masks cross
 _SUM = 1e-3  # by which weights may miss 1
 
 Floats = npt.NDArray[np.float32]
@@ -161,6 +160,9 @@ def blend_textures(
         raise ValueError(
             f"{len(exemplars)} exemplars, {len(masks)} masks, weights of shape {np.shape(weights)}: give one for each"
         )
+    types = [np.unique(check_texton_mask(each)).tolist() for each in masks]
+    if any(each != types[0] for each in types):
+        raise InputError(f"masks: have types {', '.join(map(str, types))}; give them the same types")
     keys = jax.random.split(key, (len(exemplars), 2))
     laid = [
         lay_out_mask(*each, (shape[0], shape[1]), key=own[0])
@@ -174,7 +176,14 @@ def blend_textures(
     return Blend(between, sources, np.asarray(weights, np.float32))
 
 
-def lay_out_mask(exemplar: npt.ArrayLike, mask: npt.ArrayLike, shape: tuple[int, int], *, key: Array) -> Labels:
+def lay_out_mask(
+    exemplar: npt.ArrayLike,
+    mask: npt.ArrayLike,
+    shape: tuple[int, int],
+    *,
+    key: Array,
+    report: Callable[[float, float | None], None] | None = None,
+) -> Labels:
     """An exemplar's mask at another size: cut out of it, or, where it is too small, synthesised along with it.
 
     Args:
@@ -182,6 +191,7 @@ def lay_out_mask(exemplar: npt.ArrayLike, mask: npt.ArrayLike, shape: tuple[int,
         mask: labels [row, col].
         shape: (rows, columns).
         key: random key.
+        report: told what part of the work is done, and how much there is.
 
     Raises:
         InputError: a mask of another form, or of another size than the exemplar's.
@@ -194,16 +204,17 @@ def lay_out_mask(exemplar: npt.ArrayLike, mask: npt.ArrayLike, shape: tuple[int,
     labels = check_texton_mask(mask, (columns, rows))
     if rows >= shape[0] and columns >= shape[1]:
         return labels[: shape[0], : shape[1]]
-    sources = synthesise_masked(exemplar, labels, shape, key=key)
-    return labels[sources[..., 0], sources[..., 1]]
+    for step in masked_steps(exemplar, labels, shape, key=key):
+        if report is not None:
+            report(step.done, step.total)
+    return labels[step.sources[..., 0], step.sources[..., 1]]
 
 
 def _score(inside: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:
     """Signed distances by rank, normally distributed; infinite where there is no border."""
     if inside.all() or not inside.any():
         return np.full(inside.shape, 9.0 if inside.all() else -9.0)
-    distance = ndimage.gaussian_filter(signed_distance(inside), _BLUR, mode="nearest")
-    return norm.ppf(rankdata(distance).reshape(inside.shape) / (inside.size + 1))
+    return norm.ppf(rankdata(signed_distance(inside)).reshape(inside.shape) / (inside.size + 1))
 
 
 def _check_weights(weights: npt.ArrayLike, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:

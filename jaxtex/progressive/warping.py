@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 from scipy.interpolate import RBFInterpolator
+from scipy.spatial import cKDTree
 from skimage.measure import find_contours, regionprops
 
 from jaxtex.progressive.texton_masks import Labels, check_texton_mask
@@ -27,6 +28,7 @@ _LEAST = 1e-3  # pixels; a pixel is at least as far on its own side of a border
 _SPECK = 6  # pixels: what is left of an element that is smaller vanishes
 _CONTOUR_STEP = 3  # pixels between features along a contour
 _NEIGHBOURS = 48  # features that count for a pixel
+_NODE_STEP = 3  # pixels, at most, between places where the plane's bending is found by them
 _BORDER_STEP = 16  # pixels between features that hold the picture's border
 
 Floats = npt.NDArray[np.float64]
@@ -91,13 +93,13 @@ def signed_distance(inside: npt.ArrayLike, direction: Direction = "all") -> Floa
         [[-1.5, -0.5, 0.5, 1.5, 2.5, 3.5]]
     """
     within = np.asarray(inside, bool)
+    if direction == "all":
+        distance = np.where(within, 1, -1) * _distance_to_contours(within)
+        smooth = ndimage.gaussian_filter(distance, _SMOOTHING, mode="nearest")
+        return np.where(within, np.maximum(smooth, _LEAST), np.minimum(smooth, -_LEAST))
     farthest = float(np.hypot(*within.shape))
     distance = np.where(within, _distance_to(~within, direction) - 0.5, 0.5 - _distance_to(within, direction))
-    distance = np.clip(distance, -farthest, farthest)
-    if direction != "all":
-        return distance
-    smooth = ndimage.gaussian_filter(distance, _SMOOTHING, mode="nearest")
-    return np.where(within, np.maximum(smooth, _LEAST), np.minimum(smooth, -_LEAST))
+    return np.clip(distance, -farthest, farthest)
 
 
 def warp_mask(mask: npt.ArrayLike, displacement: npt.ArrayLike) -> Labels:
@@ -124,22 +126,43 @@ def warp_mask(mask: npt.ArrayLike, displacement: npt.ArrayLike) -> Labels:
     moves = np.asarray(displacement, np.float64)
     if moves.ndim != 3 or moves.shape[2] != 2 or not np.isfinite(moves).all():
         raise ValueError(f"displacement of shape {moves.shape}: give finite numbers, [row, col, 2]")
-    rows, columns = labels.shape
-    if not (2 <= moves.shape[0] <= rows and 2 <= moves.shape[1] <= columns):
-        raise ValueError(f"displacement of {moves.shape[:2]} nodes: give 2 to {rows} rows and 2 to {columns} columns")
+    moves = spread_mesh(moves, labels.shape)
     pixels = np.indices(labels.shape, np.float64)
-    if moves.shape[:2] != labels.shape:
-        step = [(nodes - 1) / max(side - 1, 1) for nodes, side in zip(moves.shape[:2], labels.shape, strict=True)]
-        nodes = pixels * np.array(step)[:, None, None]
-        moves = np.stack(
-            [ndimage.map_coordinates(each, nodes, mode="nearest") for each in np.moveaxis(moves, -1, 0)], -1
-        )
     places = pixels + np.moveaxis(moves, -1, 0)
     values = np.unique(labels)
     depths = [
         ndimage.map_coordinates(signed_distance(labels == each), places, order=1, mode="nearest") for each in values
     ]
     return values[np.argmax(depths, axis=0)]
+
+
+def spread_mesh(nodes: npt.ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """A field that has given values at the nodes of a mesh.
+
+    Args:
+        nodes: [row, col, channel], spread over the picture evenly, first and last at its borders.
+        shape: (rows, columns) of the field, as many as nodes or more.
+
+    Returns:
+        [*shape, channel], splines between nodes.
+
+    Raises:
+        ValueError: fewer than 2 nodes down or across, or more than pixels.
+
+    Examples:
+        >>> spread_mesh([[[0.0], [2.0]], [[0.0], [2.0]]], (2, 3))[0, :, 0].tolist()
+        [0.0, 1.0, 2.0]
+    """
+    values = np.asarray(nodes, np.float64)
+    if not (2 <= values.shape[0] <= shape[0] and 2 <= values.shape[1] <= shape[1]):
+        raise ValueError(f"{values.shape[:2]} nodes: give 2 to {shape[0]} rows and 2 to {shape[1]} columns")
+    if values.shape[:2] == tuple(shape):
+        return values
+    step = [(count - 1) / (side - 1) for count, side in zip(values.shape[:2], shape, strict=True)]
+    order = min(3, min(values.shape[:2]) - 1)
+    at = np.indices(shape, np.float64) * np.array(step)[:, None, None]
+    channels = [ndimage.map_coordinates(each, at, order=order, mode="nearest") for each in np.moveaxis(values, -1, 0)]
+    return np.stack(channels, axis=-1)
 
 
 def displace_elements(
@@ -188,11 +211,25 @@ def displace_elements(
     there, target = np.concatenate(was), np.concatenate(becomes)
     target, kept = np.unique(target, axis=0, return_index=True)
     bend = RBFInterpolator(target, there[kept] - target, neighbors=min(_NEIGHBOURS, len(target)))
-    return bend(np.moveaxis(np.indices(labels.shape, np.float64), 0, -1).reshape(-1, 2)).reshape(*labels.shape, 2)
+    counts = [min(side, side // _NODE_STEP + 2) for side in labels.shape]
+    nodes = np.meshgrid(
+        *(np.linspace(0, side - 1, n) for side, n in zip(labels.shape, counts, strict=True)), indexing="ij"
+    )
+    return spread_mesh(bend(np.stack(nodes, axis=-1).reshape(-1, 2)).reshape(*counts, 2), labels.shape)
+
+
+def _distance_to_contours(within: Bools) -> Floats:
+    """From each pixel to the nearest contour of a region."""
+    contours = find_contours(within.astype(np.float64), 0.5)
+    if not contours:
+        return np.full(within.shape, float(np.hypot(*within.shape)))
+    points = [point for each in contours for point in (each, 0.5 * (each[1:] + each[:-1]))]
+    pixels = np.moveaxis(np.indices(within.shape), 0, -1)
+    return np.asarray(cKDTree(np.concatenate(points)).query(pixels)[0])
 
 
 def _distance_to(region: Bools, direction: Direction) -> Floats:
-    """From each pixel to the nearest of a region, pixel centre to pixel centre."""
+    """From each pixel to the nearest of a region in its row or column, pixel centre to pixel centre."""
     if not region.any():
         return np.full(region.shape, np.inf)
     return np.asarray(ndimage.distance_transform_edt(~region, sampling=_sampling(region.shape, direction)))

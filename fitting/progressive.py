@@ -1,0 +1,219 @@
+"""Progressively-variant textures: figures of J. Zhang et al. (SIGGRAPH 2003) made again.
+
+    python fitting/progressive.py FOLDER -o OUT [--only figure_5 figure_7]
+
+FOLDER holds photographs; coats of a leopard and a tiger are grown by `reaction_diffusion.py`.
+
+figure_5   a tiger's stripes made thinner to the right, along rows alone: exemplar, mask, mask warped, texture
+figure_6   a leopard's rosettes become spots: light areas shrink together, and then those between rosettes widen
+warping    elements scaled, turned and moved about their centres, and a mask bent by a mesh
+figure_7   blending: Wei's mixture, ours, and with masks averaged alike everywhere; below, several textures
+figure_8   masks of figure 7: M0 and M1; the paper's M, that blurred, that thresholded; ours; averaged likewise
+OUT/blending.md tells what blends of figure 7 measure.
+"""
+
+import argparse
+import os
+from collections.abc import Callable, Sequence
+from functools import cache
+from pathlib import Path
+
+os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
+
+import jax
+import numpy as np
+import numpy.typing as npt
+from progressive_blending import blend_labels, edge_energy, measure_blend, mix_textures, turning_back
+from reaction_diffusion import grow_leopard, grow_tiger
+from tables import make_table
+
+import jaxtex as jt
+from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
+from jaxtex.io.files import atomic_write_text, prepare_folder
+from jaxtex.progressive.blending import lay_out_mask
+from jaxtex.synthesis.anisometric import sample_sources
+
+SIDE = 256  # pixels of an exemplar that are used
+BLEND_SIZE, BLEND_BORDER = (160, 448), 64  # rows and columns of a blend; columns at either end of one texture alone
+PAIRS = ("tiger", "leopard"), ("cheese_holes.png", "pebbles_coloured.jpg"), ("reptile_skin.png", "coffee_beans.jpg")
+KEY = jax.random.key(0)
+
+Floats = npt.NDArray[np.floating]
+Labels = npt.NDArray[np.uint8]
+
+
+@cache
+def read_exemplar(folder: Path, name: str) -> tuple[Floats, Labels]:
+    """Encoded, of three channels, and its texton mask."""
+    if name in ("leopard", "tiger"):
+        coat = grow_leopard(KEY) if name == "leopard" else grow_tiger(KEY)
+        return linear_to_srgb(coat.pixels), coat.mask
+    pixels = jt.read_image(folder / name).pixels[:SIDE, :SIDE]
+    return np.broadcast_to(linear_to_srgb(pixels), (*pixels.shape[:2], 3)), jt.propose_texton_mask(pixels)
+
+
+def draw_mask(mask: npt.NDArray) -> Floats:
+    return np.repeat(mask[..., None] / max(1, mask.max()), 3, axis=2)
+
+
+def filtered(exemplar: Floats, mask: Labels, wanted: Labels) -> Floats:
+    return sample_sources(exemplar, jt.filter_mask(exemplar, mask, wanted, key=KEY))
+
+
+def ramp(mask: Labels) -> Floats:
+    return np.broadcast_to(np.linspace(0, 1, mask.shape[1]), mask.shape)
+
+
+def draw_figure_5(folder: Path) -> Floats:
+    exemplar, mask = read_exemplar(folder, "tiger")
+    wide = np.tile(mask, (1, 2))
+    thinner = jt.grow_mask(wide, -6 * ramp(wide), types=(1,), direction="horizontal")
+    return np.concatenate(
+        [
+            np.concatenate([exemplar, draw_mask(mask)], axis=1),
+            draw_mask(thinner),
+            filtered(exemplar, mask, thinner),
+        ]
+    )
+
+
+def draw_figure_6(folder: Path) -> Floats:
+    exemplar, mask = read_exemplar(folder, "leopard")
+    wide = np.tile(mask, (1, 2))
+    closed = jt.grow_mask(wide, -3 * ramp(wide), types=(0, 1))
+    closed = jt.grow_mask(closed, -7 * ramp(wide), types=(1,))  # rosettes are wider than what is between them
+    spots = jt.grow_mask(closed, 5 * ramp(wide), types=(0,))
+    rows = [np.concatenate([exemplar, draw_mask(mask)], axis=1)]
+    for each in (closed, spots):
+        rows += [draw_mask(each), filtered(exemplar, mask, each)]
+    return np.concatenate(rows)
+
+
+def draw_warping(folder: Path) -> Floats:
+    exemplar, mask = read_exemplar(folder, "cheese_holes.png")
+    larger = jt.displace_elements(mask, scale=0.6 + 1.0 * ramp(mask))
+    leopard, rosettes = read_exemplar(folder, "leopard")
+    down, right = np.indices((5, 5)) / 4 * 2 - 1
+    mesh = 30 * np.stack([np.sin(np.pi * right / 2) * (1 - down**2), 0 * right], axis=2) * (1 - right[..., None] ** 2)
+    scales = read_exemplar(folder, "reptile_skin.png")
+    turned = jt.displace_elements(scales[1], scale=0.7, turn=0.22 * np.pi * ramp(scales[1]))
+    rows = []
+    for picture, labels, moves in ((exemplar, mask, larger), (leopard, rosettes, mesh), (*scales, turned)):
+        warped = jt.warp_mask(labels, moves)
+        shown = picture, draw_mask(labels), draw_mask(warped), filtered(picture, labels, warped)
+        rows.append(np.concatenate([each[: mask.shape[0], : mask.shape[1]] for each in shown], axis=1))
+    return np.concatenate(rows)
+
+
+@cache
+def lay_out(folder: Path, names: tuple[str, ...]) -> tuple[list[Floats], list[Labels], list[Labels], Floats]:
+    """Exemplars, their masks, masks of elements of all at the blend's size, and weights."""
+    read = [read_exemplar(folder, name) for name in names]
+    masks = [(mask == mask.max()).astype(np.uint8) for _, mask in read]
+    laid = [
+        lay_out_mask(exemplar, mask, BLEND_SIZE, key=key)
+        for (exemplar, _), mask, key in zip(read, masks, jax.random.split(KEY, len(read)), strict=True)
+    ]
+    columns = np.arange(BLEND_SIZE[1])
+    far = np.clip((columns - BLEND_BORDER) / (BLEND_SIZE[1] - 2 * BLEND_BORDER), 0, 1)
+    weights = jt.transition_weights(np.broadcast_to(far, BLEND_SIZE), len(names))
+    return [each for each, _ in read], masks, laid, weights
+
+
+def average_masks(laid: list[Labels], weights: Floats) -> Labels:
+    """Both masks count alike wherever neither is alone."""
+    return blend_labels(laid, np.where((weights == 0) | (weights == 1), weights, 1 / len(laid)))[2]
+
+
+def show_blend(exemplars: list[Floats], masks: list[Labels], wanted: Labels, weights: Floats) -> Floats:
+    shown = [filtered(exemplar, mask, wanted) for exemplar, mask in zip(exemplars, masks, strict=True)]
+    return np.einsum("nrc,nrck->rck", weights, np.stack(shown))
+
+
+@cache
+def blend_pair(folder: Path, names: tuple[str, str]) -> dict[str, Floats]:
+    """What each way of blending makes of two textures."""
+    exemplars, masks, laid, weights = lay_out(folder, names)
+    plain = [filtered(exemplar, mask, own) for exemplar, mask, own in zip(exemplars, masks, laid, strict=True)]
+    return {
+        "Wei's mixture": mix_textures(exemplars, weights),
+        "ours": show_blend(exemplars, masks, jt.blend_masks(laid, weights), weights),
+        "labels blended": show_blend(exemplars, masks, blend_labels(laid, weights)[2], weights),
+        "masks averaged": show_blend(exemplars, masks, average_masks(laid, weights), weights),
+        "cross-fade": np.einsum("nrc,nrck->rck", weights, np.stack(plain)),
+    }
+
+
+def draw_figure_7(folder: Path) -> Floats:
+    rows = []
+    for pair in PAIRS:
+        made = blend_pair(folder, pair)
+        rows += [made[way] for way in ("Wei's mixture", "ours", "masks averaged")]
+    three = "reptile_skin.png", "cheese_holes.png", "tiger"
+    exemplars, masks, laid, weights = lay_out(folder, three)
+    rows.append(show_blend(exemplars, masks, jt.blend_masks(laid, weights), weights))
+    return np.concatenate(rows)
+
+
+def draw_figure_8(folder: Path) -> Floats:
+    rows = []
+    for pair in PAIRS:
+        _, _, laid, weights = lay_out(folder, pair)
+        sheets = [*laid, *blend_labels(laid, weights), jt.blend_masks(laid, weights)]
+        sheets += [*blend_labels(laid, np.full_like(weights, 0.5))[1:]]
+        rows.append(np.concatenate([draw_mask(each) for each in sheets]))
+    return np.concatenate(rows, axis=1)
+
+
+def tell_blending(folder: Path) -> str:
+    """Tables of what masks of blends are like from strip to strip, and of how strong edges are in their middle."""
+    strips, edges = [], []
+    ways: dict[str, Callable[[list[Labels], Floats], Labels]] = {
+        "ours": lambda masks, weights: jt.blend_masks(masks, weights),
+        "labels blended": lambda masks, weights: blend_labels(masks, weights)[2],
+        "masks averaged": average_masks,
+    }
+    for pair in PAIRS:
+        _, _, laid, weights = lay_out(folder, pair)
+        for way, blend in ways.items():
+            found = measure_blend(laid, weights, blend)
+            cells = [f"{' '.join(f'{each:.3g}' for each in row)} ({turning_back(row):.0%})" for row in found]
+            strips.append([" to ".join(pair), way, *cells])
+        made = blend_pair(folder, pair)
+        ends = [edge_energy(made["ours"])[part].mean() for part in (slice(4, BLEND_BORDER), slice(-BLEND_BORDER, -4))]
+        middle = slice(*(BLEND_SIZE[1] * np.array([2, 3]) // 5))
+        told = [f"{edge_energy(each)[middle].mean() / np.mean(ends):.2f}" for each in made.values()]
+        edges.append([" to ".join(pair), *told])
+    header = "What elements are like in strips from left to right; in brackets, how much of the way is gone back."
+    below = "Squared gradients in the middle of the blend, beside the mean of both its ends."
+    heads = ["blend", "masks", "share covered", "elements in 100 x 100 pixels", "perimeter²/(4 pi area)"]
+    return f"{header}\n\n{make_table(heads, strips)}\n\n{below}\n\n{make_table(['blend', *made], edges)}\n"
+
+
+FIGURES: dict[str, Callable[[Path], Floats]] = {
+    "figure_5": draw_figure_5,
+    "figure_6": draw_figure_6,
+    "warping": draw_warping,
+    "figure_7": draw_figure_7,
+    "figure_8": draw_figure_8,
+}
+
+
+def main(words: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="photographs, by the names that the script tells")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="folder for what is made")
+    parser.add_argument("--only", nargs="+", choices=[*FIGURES, "blending"], metavar="NAME", help="all by default")
+    options = parser.parse_args(words)
+    prepare_folder(options.output)
+    chosen = options.only or [*FIGURES, "blending"]
+    for name, draw in FIGURES.items():
+        if name in chosen:
+            drawn = draw(options.folder)
+            jt.write_image(options.output / f"{name}.png", srgb_to_linear(np.clip(drawn, 0, 1)))
+    if "blending" in chosen:
+        atomic_write_text(options.output / "blending.md", tell_blending(options.folder))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,161 @@
+"""`jaxtex vary blend`: a texture that becomes another, elements and colours together."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import tyro
+
+from jaxtex.core.errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+_LEAST_SIDE = 16  # pixels of the result
+_DARKEST = 1e-3  # of weights that are summed up
+
+
+@dataclass(frozen=True, kw_only=True)
+class VaryBlend:
+    """Make a texture that goes over from one to another, or to several one after the other, in the shapes of its
+    elements and in their colours.
+
+    A mask between the exemplars' texton masks (see 'jaxtex texton-mask') is made; each exemplar is laid out again by
+    that mask, and then colours are blended (Zhang et al. 2003, section 4.3). So elements of all lie in the same places,
+    and none shines through another. By default the first is at the left and the last at the right.
+
+    Example: jaxtex vary blend spots.png stripes.png -o coat.png --masks spots_mask.png stripes_mask.png --size 512x128
+
+    Example: jaxtex vary blend red.jpg yellow.jpg -o peppers.png --masks r.png y.png --keys ripe.toml --save peppers.npz
+
+    Example: jaxtex vary blend a.png b.png c.png -o abc.png --masks ma.png mb.png mc.png --weights wa.png wb.png wc.png
+    """
+
+    exemplars: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="EXEMPLAR EXEMPLAR [...]")]
+    """Pictures of the textures, two or more."""
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
+    """The picture to write: .png, .jpg, .tif or .exr."""
+    masks: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="MASK MASK [...]")]
+    """Their texton masks, in the same order: each of its exemplar's size, all with the same types of elements."""
+    size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint="")] = None
+    """Its size in pixels. By default that of the smallest exemplar."""
+    transition: Annotated[Path | None, tyro.conf.arg(metavar="PICTURE", help_behavior_hint="")] = None
+    """Where which texture is: a grey picture, from black for the first to white for the last, stretched over the
+    result. It should be smooth."""
+    keys: Annotated[Path | None, tyro.conf.arg(metavar="KEYS.toml", help_behavior_hint="")] = None
+    """Keys of the transition, as 'jaxtex field' takes them, instead of a picture."""
+    weights: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="PICTURE ...", help_behavior_hint="")] = ()
+    """One grey picture for each texture instead of a transition: how much there is of it where, beside the others."""
+    neighborhood: int = 7
+    """Side of the squares of pixels that are compared, an odd number."""
+    mask_output: Annotated[Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="")] = None
+    """Write the mask of the blend, too."""
+    save: Annotated[Path | None, tyro.conf.arg(metavar="V.npz", help_behavior_hint="")] = None
+    """Write the texture with its mask and transition, as synthesis on meshes reads it."""
+    seed: int = 0
+    """Another number, other pieces of the textures."""
+
+    def run(self) -> int:
+        from jaxtex.cli import varying
+        from jaxtex.cli.values import check_memory, check_seed
+
+        check_seed(self.seed)
+        radius = varying.check_neighborhood(self.neighborhood)
+        self._check()
+        inputs = [*self.exemplars, *self.masks, *self.weights, self.transition, self.keys]
+        varying.check_names(inputs, [self.output, self.mask_output, self.save])
+        pictures = [varying.read_exemplar(each, self.neighborhood) for each in self.exemplars]
+        if len({each.shape[2] for each in pictures}) > 1:
+            pictures = [each.repeat(3 // each.shape[2], axis=2) for each in pictures]
+        masks = [varying.read_mask_of(*each) for each in zip(self.masks, self.exemplars, pictures, strict=True)]
+        self._check_types(masks)
+        size = self._find_size(pictures)
+        check_memory(f"--size: {size[0]}x{size[1]}", 400 * len(pictures) * size[0] * size[1])
+        weights = self._read_weights(size)
+        texture, mask = self._blend(pictures, masks, weights, radius)
+
+        import numpy as np
+
+        from jaxtex.progressive.varying import VaryingTexture
+
+        far = np.einsum("nrc,n->rc", weights, np.linspace(0, 1, len(weights), dtype=np.float32))
+        made = VaryingTexture.of(texture, mask=mask, transition=np.clip(far, 0, 1))
+        varying.write_results(self.output, made, save=self.save, mask=self.mask_output)
+        return 0
+
+    def _check(self) -> None:
+        count = len(self.exemplars)
+        if count < 2:
+            raise InputError(f"{count} exemplars are no blend; give two or more")
+        if len(self.masks) != count:
+            raise InputError(f"--masks: {len(self.masks)} for {count} exemplars; give one for each, in the same order")
+        if self.weights and len(self.weights) != count:
+            raise InputError(f"--weights: {len(self.weights)} for {count} exemplars; give one for each")
+        if self.weights and (self.transition is not None or self.keys is not None):
+            raise InputError("--weights: tell all that a transition does; leave out --transition and --keys")
+
+    def _check_types(self, masks: list["np.ndarray"]) -> None:
+        import numpy as np
+
+        types = [np.unique(each).tolist() for each in masks]
+        for path, each in zip(self.masks[1:], types[1:], strict=True):
+            if each != types[0]:
+                raise InputError(f"{path}: has types {each}, and {self.masks[0]} {types[0]}; give them the same types")
+
+    def _find_size(self, pictures: list["np.ndarray"]) -> tuple[int, int]:
+        from jaxtex.cli.values import parse_size
+        from jaxtex.cli.varying import MOST_PIXELS
+
+        if self.size is None:
+            return min(each.shape[1] for each in pictures), min(each.shape[0] for each in pictures)
+        width, height = parse_size("--size", self.size)
+        if min(width, height) < _LEAST_SIDE or width * height > MOST_PIXELS:
+            raise InputError(
+                f"--size: {width}x{height} is out of range; give {_LEAST_SIDE} pixels or more along each side, and at "
+                f"most {MOST_PIXELS >> 20} megapixels"
+            )
+        return width, height
+
+    def _read_weights(self, size: tuple[int, int]) -> "np.ndarray":
+        """[texture, row, col]."""
+        import numpy as np
+
+        from jaxtex.cli.varying import read_transition
+        from jaxtex.progressive.blending import transition_weights
+
+        if not self.weights:
+            return transition_weights(read_transition(self.transition, self.keys, size), len(self.exemplars))
+        shares = np.stack([read_transition(each, None, size) for each in self.weights])
+        total = shares.sum(axis=0)
+        if total.min() < _DARKEST:
+            raise InputError("--weights: are all black in one place; let one at least be brighter there")
+        return shares / total[None]
+
+    def _blend(
+        self, pictures: list["np.ndarray"], masks: list["np.ndarray"], weights: "np.ndarray", radius: int
+    ) -> tuple["np.ndarray", "np.ndarray"]:
+        """The texture in linear light, and its mask."""
+        import jax
+        import numpy as np
+
+        from jaxtex.cli.progress import reporting
+        from jaxtex.cli.synth_methods import encode, white_of
+        from jaxtex.cli.varying import filter_exemplar
+        from jaxtex.core.colour import srgb_to_linear
+        from jaxtex.progressive.blending import Blend, blend_masks, lay_out_mask
+
+        shape = weights.shape[1], weights.shape[2]
+        keys = jax.random.split(jax.random.key(self.seed), (len(pictures), 2))
+        white = white_of(*pictures)
+        encoded = [encode(each, None, white=white) for each in pictures]
+        laid = []
+        for path, picture, mask, own in zip(self.masks, encoded, masks, keys, strict=True):
+            with reporting(f"making more of {path}") as report:
+                laid.append(lay_out_mask(picture, mask, shape, key=own[0], report=report))
+        between = blend_masks(laid, weights)
+        sources = [
+            filter_exemplar(f"laying out {path}", picture, mask, between, own[1], radius)
+            for path, picture, mask, own in zip(self.exemplars, pictures, masks, keys, strict=True)
+        ]
+        shown = Blend(between, sources, weights).show(encoded)
+        return srgb_to_linear(np.maximum(shown, 0) * white), between
