@@ -10,7 +10,8 @@ nearest particle, as shares of the mean; of directions to it, modulo 180 degrees
 covered. The row "alike" says how far apart samples are, on average, of which one has as many values as the picture's
 and the other is drawn from it, as large as the composition's: differences below cannot be told from chance. The last
 table has lattices: by how many degrees directions to neighbours are off, by how many percent spacings are, and how many
-neighbours are missing, for the worst of a lattice's vectors.
+neighbours are missing, for the worst of a lattice's vectors; of points thrown like darts, by how much their mean
+distance is off.
 """
 
 import argparse
@@ -42,6 +43,8 @@ LATTICES = {
     "hexagonal": [(26.3, 0.0), (13.15, 22.78), (-13.15, 22.78)],
     "bricks": [(40.4, 0.0), (20.2, 17.6), (-20.2, 17.6)],
 }
+APART = 24.0  # pixels that points thrown like darts keep
+DRAWN = ("distances", "directions", "sizes")  # of which samples are drawn
 JITTERS = (0.0, 0.04, 0.08)  # standard deviations, of the least spacing
 
 
@@ -64,9 +67,6 @@ def resample(picture: ClassStatistics, count: int, rng: np.random.Generator) -> 
         return Sample(pick(count), np.ones(count))
 
     return jt.compare_statistics(picture, picture._replace(**{name: draw(getattr(picture, name)) for name in DRAWN}))
-
-
-DRAWN = ("distances", "directions", "sizes")
 
 
 def judge_picture(path: Path, seeds: int) -> list[list[str]]:
@@ -130,7 +130,31 @@ def judge_lattices() -> list[list[str]]:
             seeded = jt.seed_composition(found, jt.learn_arrangement(found), LARGE, key=jax.random.key(0))
             for way, made in (("seeded", seeded), ("relaxed", jt.relax_composition(seeded, found))):
                 rows.append([name, f"{100 * jitter:.0f} %", way, *measure_lattice(made, vectors)])
-    return rows
+    return rows + judge_scattered()
+
+
+def throw_darts(size: tuple[int, int], rng: np.random.Generator) -> np.ndarray:
+    """Points at random that keep a distance, [point, 2]."""
+    points = np.empty((0, 2))
+    for place in rng.uniform(0, size, (20 * size[0] * size[1] // int(APART**2), 2)):
+        if not len(points) or np.hypot(*(points - place).T).min() >= APART:
+            points = np.append(points, place[None], axis=0)
+    return points
+
+
+def judge_scattered() -> list[list[str]]:
+    """How far the mean distance to the nearest is from that of very many points thrown likewise."""
+
+    def spacing(points: np.ndarray, size: tuple[int, int]) -> float:
+        inner = points[((points > 60) & (points < np.array(size) - 60)).all(axis=1)]
+        return float(cKDTree(points).query(inner, 2)[0][:, 1].mean())
+
+    truth = np.mean([spacing(throw_darts(LARGE, np.random.default_rng(seed)), LARGE) for seed in range(3)])
+    found = draw_discs(throw_darts(EXEMPLAR, np.random.default_rng(9)), 0.6 * APART, 0.6 * APART)
+    seeded = jt.seed_composition(found, jt.learn_arrangement(found), LARGE, key=jax.random.key(0))
+    made = {"seeded": seeded, "relaxed": jt.relax_composition(seeded, found)}
+    off = {way: 100 * abs(spacing(np.stack([each.x, each.y], axis=1), LARGE) / truth - 1) for way, each in made.items()}
+    return [["Poisson-disc", "-", way, "-", f"{value:.2f}", "-"] for way, value in off.items()]
 
 
 def main(words: Sequence[str] | None = None) -> None:
@@ -143,8 +167,9 @@ def main(words: Sequence[str] | None = None) -> None:
     prepare_folder(options.output)
     rows = []
     for name in options.only or [name for name in MARKED if (options.folder / name).exists()]:
-        rows += judge_picture(options.folder / name, options.seeds)
-        print(*rows[-4:], sep="\n", flush=True)
+        new = judge_picture(options.folder / name, options.seeds)
+        rows += new
+        print(*new, sep="\n", flush=True)
     head = ["picture", "class", "complete", "inner", "placed", "distance", "direction, degrees", "size", "area"]
     lattices = ["lattice", "jitter", "placed", "turned, degrees", "spacing, %", "missing, %"]
     page = "\n".join([make_table(head, rows), "", make_table(lattices, judge_lattices()), ""])
