@@ -76,6 +76,14 @@ def test_a_mesh_bends_the_mask() -> None:
     np.testing.assert_array_equal(read_texton_mask("m.png")[:, :56], stripes()[:, 8:])
 
 
+def test_more_than_the_exemplar_is_made() -> None:
+    words = "warp spots.png spots_mask.png -o more.png --size 100x60 --grow=-2 --mask-output m.png"
+    assert main(["vary", *words.split()]) == 0
+    mask = read_texton_mask("m.png")
+    assert read_image("more.png").pixels.shape == (60, 100, 3)
+    assert mask[:, :25].mean() > 1.4 * mask[:, 75:].mean() > 0
+
+
 def test_one_texture_becomes_another() -> None:
     words = "blend stripes.png spots.png -o ab.png --masks stripes_mask.png spots_mask.png --size 96x48 --save ab.npz"
     assert main(["vary", *words.split()]) == 0
@@ -115,6 +123,7 @@ BLEND = ["blend", "stripes.png", "spots.png", "-o", "out.png", "--masks", "strip
         ([*WARP, "--grow=1", "--transition", "stripes.png"], "stripes.png: is no transition"),
         ([*WARP, "--grow=1", "--transition", "absent.png"], "absent.png"),
         ([*WARP, "--grow=1", "--mask-output", "stripes_mask.png"], "written over"),
+        ([*WARP, "--grow=1", "--size", "8x99"], "--size"),
         ([*WARP, "--displace", "stripes_mask.png"], "one channel"),
         (["warp", "stripes.png", "small_mask.png", "-o", "out.png", "--grow=1"], "small_mask.png: is 10 x 20"),
         (["warp", "tiny.png", "tiny_mask.png", "-o", "out.png", "--grow=1"], "tiny.png: is 5 x 5"),
