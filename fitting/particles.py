@@ -2,9 +2,11 @@
 
     python fitting/particles.py FOLDER -o OUT
 
-FOLDER holds pictures. OUT/particles.png has a row for each: the picture, its things outlined, a ground without them,
-and 512 x 512 pixels of a new arrangement, tileable. OUT/particles.md says how many things were found, and beside those
-of pictures that were counted by hand (fitting/particle_counts.csv, upper left part of each), how many there are.
+FOLDER holds pictures. OUT/particles.png has a row for each, and for scikit-image's coins and gravel and a checkerboard
+(figure 13): the picture, its things outlined, 512 x 512 pixels of a new arrangement, tileable, the same relaxed, and
+lapped textures for comparison. OUT/particles.md says how many things were found, of how many classes with how many
+lists of neighbours, and beside those of pictures that were counted by hand (fitting/particle_counts.csv, upper left
+part of each), how many there are.
 """
 
 import argparse
@@ -17,6 +19,7 @@ os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 
 import jax
 import numpy as np
+from skimage import data
 from skimage.segmentation import find_boundaries
 from tables import make_table
 
@@ -56,19 +59,42 @@ def fit_in(picture: np.ndarray) -> np.ndarray:
     return cell
 
 
+def draw_checkerboard() -> np.ndarray:
+    """Figure 13: black and white squares of 32 pixels that touch at their corners, linear."""
+    row, column = np.indices((224, 288)) // 32
+    return np.where((row + column) % 2 > 0, 0.7, 0.03)[..., None] * np.ones(3)
+
+
+def list_pictures(folder: Path, only: Sequence[str] | None) -> dict[str, np.ndarray]:
+    """Linear pictures by their names: those of the folder, two that scikit-image brings, and a checkerboard."""
+    names = only or sorted(path.name for path in folder.iterdir() if path.suffix in (".png", ".jpg"))
+    pictures = {name: jt.read_image(folder / name).pixels for name in names}
+    if only is None:
+        brought = {"coins": data.coins(), "gravel": data.gravel()}
+        pictures |= {
+            f"scikit-image's {name}": srgb_to_linear(each[..., None] / 255.0) for name, each in brought.items()
+        }
+        pictures["checkerboard"] = draw_checkerboard()
+    return pictures
+
+
 def arrange_anew(pixels: np.ndarray) -> tuple[np.ndarray, list[str]]:
     """A row of the sheet, encoded, and what was found."""
-    picture = np.broadcast_to(linear_to_srgb(pixels), (*pixels.shape[:2], 3))
+    picture = np.broadcast_to(linear_to_srgb(pixels), (*pixels.shape[:2], 3)).astype(np.float32)
     found = jt.find_particles(pixels)
     learnt = jt.learn_arrangement(found)
     composed = jt.seed_composition(found, learnt, (SIDE, SIDE), key=KEY, tileable=True)
     ground = jt.make_ground(picture, found, (SIDE, SIDE), key=KEY)
-    drawn = jt.paint_composition(composed, picture, found, ground)
-    row = np.concatenate([fit_in(each) for each in (picture, outline(picture, found), ground, drawn)], axis=1)
+    seeded = jt.paint_composition(composed, picture, found, ground)
+    relaxed = jt.paint_composition(jt.relax_composition(composed, found), picture, found, ground)
+    lapped = jt.lap_patches(picture, (SIDE, SIDE), key=KEY)
+    cells = (picture, outline(picture, found), seeded, relaxed, lapped)
     complete = sum(each.complete for each in found.particles)
+    lists = [str(len(rule.lists)) if hasattr(rule, "lists") else "-" for rule in learnt.classes]
     area = np.mean(found.labels > 0)
     density = len(composed) / SIDE**2 / (len(found.particles) / found.labels.size)
-    return row, [f"{len(found.particles)}", f"{complete}", f"{found.kinds}", f"{100 * area:.0f} %", f"{density:.2f}"]
+    said = [str(complete), str(len(found.particles) - complete), str(found.kinds), ", ".join(lists)]
+    return np.concatenate([fit_in(each) for each in cells], axis=1), [*said, f"{100 * area:.0f} %", f"{density:.2f}"]
 
 
 def main(words: Sequence[str] | None = None) -> None:
@@ -78,15 +104,14 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("--only", nargs="+", metavar="NAME", help="of these pictures alone; all by default")
     options = parser.parse_args(words)
     prepare_folder(options.output)
-    names = options.only or sorted(path.name for path in options.folder.iterdir() if path.suffix in (".png", ".jpg"))
     rows, lines = [], []
-    for name in names:
-        row, said = arrange_anew(jt.read_image(options.folder / name).pixels)
+    for name, pixels in list_pictures(options.folder, options.only).items():
+        row, said = arrange_anew(pixels)
         rows.append(row)
         lines.append([name, *said])
         print(*lines[-1], flush=True)
     jt.write_image(options.output / "particles.png", srgb_to_linear(np.concatenate(rows)))
-    head = ["picture", "things", "complete", "classes", "area", "density of the new, times"]
+    head = ["picture", "complete", "incomplete", "classes", "lists", "area", "density of the new, times"]
     page = [
         make_table(head, lines),
         "\nCounted by hand:\n",

@@ -17,6 +17,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from jaxtex.core.colour import linear_to_srgb as linear_to_srgb
+    from jaxtex.core.colour import srgb_to_linear as srgb_to_linear
     from jaxtex.core.errors import InputError as InputError
     from jaxtex.core.pyramids import build_pyramid as build_pyramid
     from jaxtex.core.pyramids import collapse_pyramid as collapse_pyramid
@@ -120,11 +122,18 @@ if TYPE_CHECKING:
     from jaxtex.particles.composition import Composition as Composition
     from jaxtex.particles.composition import read_composition as read_composition
     from jaxtex.particles.composition import write_composition as write_composition
+    from jaxtex.particles.control_files import read_controls as read_controls
+    from jaxtex.particles.controls import Control as Control
+    from jaxtex.particles.fields import linear_field as linear_field
+    from jaxtex.particles.fields import map_field as map_field
+    from jaxtex.particles.fields import radial_field as radial_field
     from jaxtex.particles.files import read_particles as read_particles
     from jaxtex.particles.files import write_particles as write_particles
-    from jaxtex.particles.painting import make_ground as make_ground
+    from jaxtex.particles.grounds import make_ground as make_ground
+    from jaxtex.particles.painting import label_composition as label_composition
     from jaxtex.particles.painting import paint_composition as paint_composition
     from jaxtex.particles.picking import pick_particles as pick_particles
+    from jaxtex.particles.relaxation import relax_composition as relax_composition
     from jaxtex.particles.scissors import Polygon as Polygon
     from jaxtex.particles.scissors import cut_polygons as cut_polygons
     from jaxtex.particles.scissors import join_things as join_things
@@ -132,6 +141,9 @@ if TYPE_CHECKING:
     from jaxtex.particles.scissors import read_polygons as read_polygons
     from jaxtex.particles.seeding import seed_composition as seed_composition
     from jaxtex.particles.segmentation import find_particles as find_particles
+    from jaxtex.particles.statistics import compare_statistics as compare_statistics
+    from jaxtex.particles.statistics import measure_composition as measure_composition
+    from jaxtex.particles.statistics import measure_picture as measure_picture
     from jaxtex.particles.things import Decomposition as Decomposition
     from jaxtex.particles.things import describe_particles as describe_particles
     from jaxtex.photo.automask import auto_mask as auto_mask
@@ -195,6 +207,7 @@ if TYPE_CHECKING:
     from jaxtex.synthesis.heeger_bergen import TextureStatistics as TextureStatistics
     from jaxtex.synthesis.heeger_bergen import analyse_texture as analyse_texture
     from jaxtex.synthesis.heeger_bergen import synthesise_texture as synthesise_texture
+    from jaxtex.synthesis.lapped import lap_patches as lap_patches
     from jaxtex.synthesis.nearest import find_similar as find_similar
     from jaxtex.synthesis.portilla_simoncelli import portilla_simoncelli_distance as portilla_simoncelli_distance
     from jaxtex.synthesis.quilting import quilting_steps as quilting_steps
@@ -213,6 +226,8 @@ __version__ = "0.1.0"
 # block for type checkers above; tests/test_public.py holds the two to one another.
 _PUBLIC = {
     # every complaint about what was handed in
+    "linear_to_srgb": "jaxtex.core.colour",
+    "srgb_to_linear": "jaxtex.core.colour",
     "InputError": "jaxtex.core.errors",
     # files, linear light inside
     "Image": "jaxtex.io.images",
@@ -311,6 +326,7 @@ _PUBLIC = {
     "relax_solid": "jaxtex.synthesis.solid_relaxation",
     "synthesise_quilting": "jaxtex.synthesis.quilting",
     "quilting_steps": "jaxtex.synthesis.quilting",
+    "lap_patches": "jaxtex.synthesis.lapped",
     "find_similar": "jaxtex.synthesis.nearest",
     "Step": "jaxtex.synthesis.sources",
     "blend_seams": "jaxtex.synthesis.sources",
@@ -323,6 +339,15 @@ _PUBLIC = {
     # things of a picture -> a composition of them
     "learn_arrangement": "jaxtex.particles.arrangement",
     "seed_composition": "jaxtex.particles.seeding",
+    "Control": "jaxtex.particles.controls",
+    "read_controls": "jaxtex.particles.control_files",
+    "linear_field": "jaxtex.particles.fields",
+    "map_field": "jaxtex.particles.fields",
+    "radial_field": "jaxtex.particles.fields",
+    "relax_composition": "jaxtex.particles.relaxation",
+    "measure_picture": "jaxtex.particles.statistics",
+    "measure_composition": "jaxtex.particles.statistics",
+    "compare_statistics": "jaxtex.particles.statistics",
     "Blend": "jaxtex.progressive.blending",
     "blend_masks": "jaxtex.progressive.blending",
     "blend_textures": "jaxtex.progressive.blending",
@@ -363,7 +388,8 @@ _PUBLIC = {
     "read_particles": "jaxtex.particles.files",
     "Decomposition": "jaxtex.particles.things",
     "describe_particles": "jaxtex.particles.things",
-    "make_ground": "jaxtex.particles.painting",
+    "label_composition": "jaxtex.particles.painting",
+    "make_ground": "jaxtex.particles.grounds",
     "paint_composition": "jaxtex.particles.painting",
     "Composition": "jaxtex.particles.composition",
     "read_composition": "jaxtex.particles.composition",

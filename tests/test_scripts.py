@@ -44,6 +44,27 @@ def test_masks_are_spoilt_as_much_as_is_said(script: ModuleType) -> None:
     assert np.mean([1 - one.mean() for one in spoilt]) == pytest.approx(0.14, abs=0.02)
 
 
+@pytest.mark.parametrize("script", ["particle_controls"], indirect=True)
+def test_what_controls_do_is_measured(script: ModuleType) -> None:
+    spots = script.draw_spots()
+    whole = next(number for number, each in enumerate(spots.things.particles) if each.complete)
+    assert script.own_axis(spots, whole) == pytest.approx(spots.things.particles[whole].box.angle, abs=0.15)
+    neighbours, drawn = (float(each) for each in script.measure_turn(spots, 500))
+    assert neighbours < 4
+    assert drawn < 2
+    inside, before = script.measure_forbidden(spots, 500).split(" of ")
+    assert inside == "0"
+    assert int(before) > 20
+    assert float(script.measure_size(spots, 700)) == pytest.approx(1, abs=0.2)
+    assert float(script.measure_probability(spots, 500)) == pytest.approx(0.3, abs=0.1)
+    # The spots lie nearly as hexagons do, six ways.
+    mean = []
+    for controls in ((), (jt.Control(orientation=0.2),)):
+        ways, there = script.nearest_ways(script.on_plane(spots.seed(500, *controls)))
+        mean.append(np.mean((ways[there] / np.abs(ways[there])) ** 6))
+    assert np.angle(mean[1] / mean[0]) / 6 == pytest.approx(0.2, abs=0.05)
+
+
 @pytest.mark.parametrize("script", ["accuracy"], indirect=True)
 def test_corners_are_measured_in_tile_heights(script: ModuleType) -> None:
     to_image = np.array([[0.55, 0.18, 59.0], [-0.19, 0.71, 53.0], [-2.5e-4, 1.6e-4, 1.0]])
@@ -199,13 +220,13 @@ def test_a_row_shows_things_outlined_and_arranged_anew(script: ModuleType, monke
     row, column = np.indices((90, 90)) % 30 - 15
     things = np.hypot(row, column) < 8
     drawn, said = script.arrange_anew(np.where(things, 0.1, 0.6)[..., None])
-    assert drawn.shape == (96, 4 * 96, 3)
-    picture, outlined, ground, new = np.split(drawn, 4, axis=1)
+    assert drawn.shape == (96, 5 * 96, 3)
+    picture, outlined, seeded, relaxed, lapped = np.split(drawn, 5, axis=1)
     ground_alone = np.hypot(row, column) > 11
     np.testing.assert_allclose(outlined[:90, :90][ground_alone], 0.35 * picture[:90, :90][ground_alone], rtol=1e-5)
-    assert ground.min() > 0.5
-    assert np.mean(new < 0.5) == pytest.approx(things.mean(), rel=0.3)
-    assert said[:3] == ["9", "9", "1"]
+    for new in (seeded, relaxed, lapped):
+        assert np.mean(new < 0.5) == pytest.approx(things.mean(), rel=0.3)
+    assert said[:4] == ["9", "0", "1", "9"]
 
 
 @pytest.mark.parametrize("script", ["reaction_diffusion"], indirect=True)

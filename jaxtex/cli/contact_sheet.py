@@ -56,13 +56,14 @@ class Layout(NamedTuple):
         return self.columns * (width + _MARGIN) + _MARGIN, self.rows * (height + _MARGIN) + _MARGIN
 
 
-def lay_out(count: int, *, largest: tuple[int, int], lines: int) -> Layout:
+def lay_out(count: int, *, largest: tuple[int, int], lines: int, small: bool = True) -> Layout:
     """Lay out a sheet.
 
     Args:
         count: number of cells.
         largest: (width, height) that no picture exceeds.
         lines: that no cell has more of.
+        small: whether cells have small pictures.
 
     Examples:
         >>> lay_out(7, largest=(256, 256), lines=5).size
@@ -71,9 +72,9 @@ def lay_out(count: int, *, largest: tuple[int, int], lines: int) -> Layout:
     rows = math.ceil(count / _MOST_COLUMNS)
     times = max(1, _LEAST_SIDE // max(largest))
     width, height = (times * side for side in largest)
-    below = max(height // 2, lines * _LINE)
-    small = _HEADING + height + _GAP
-    return Layout(math.ceil(count / rows), rows, times, (max(width, _LEAST_SIDE), small + below), small)
+    below = max(height // 2 if small else 0, lines * _LINE)
+    begin = _HEADING + height + _GAP
+    return Layout(math.ceil(count / rows), rows, times, (max(width, _LEAST_SIDE), begin + below), begin)
 
 
 def draw_contact_sheet(cells: Sequence[Cell], layout: Layout) -> npt.NDArray[np.float32]:

@@ -58,6 +58,11 @@ COMMANDS = (
     Command("solid", "jaxtex.cli.solid:Solid", "make a block of voxels whose slices look like pictures of a material"),
     Command("solid-slice", "jaxtex.cli.solid_slice:SolidSlice", "show a block: a slice, an oblique cut, or all of it"),
     Command("carve", "jaxtex.cli.carve:Carve", "carve a mesh of a block: a colour to each vertex"),
+    Command(
+        "particles analyse", "jaxtex.cli.particles:Analyse", "take a picture apart into things: pebbles, leaves, holes"
+    ),
+    Command("particles show", "jaxtex.cli.particles:Show", "show what it was taken apart into, on one sheet"),
+    Command("particles synth", "jaxtex.cli.particles_synth:Synth", "arrange its things anew, under control"),
     Command("export", "jaxtex.cli.export:Export", "put a model on a wall, a floor or a mesh: one file for viewers"),
     Command("rectify", "jaxtex.cli.rectify:Rectify", "straighten a photograph from four corners"),
     Command("mask auto", "jaxtex.cli.mask:Auto", "make a mask of a tiled surface with nothing said"),

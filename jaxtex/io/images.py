@@ -202,6 +202,19 @@ def writing_image(
         yield write_rows
 
 
+def check_image_name(path: Path | str) -> None:
+    """That a picture can be written under a name, before the work that goes into it.
+
+    Raises:
+        InputError: the extension is of no kind that can be written.
+
+    Examples:
+        >>> check_image_name("wall.png")
+    """
+    if Path(path).suffix.lower() not in _BITS:
+        raise InputError(f"{path}: cannot be written as '{Path(path).suffix}'; name it {', '.join(_BITS)}")
+
+
 def to_bytes(pixels: np.ndarray, *, colour_space: ColourSpace) -> np.ndarray:
     """The numbers that an 8-bit file of `write_image` holds, for files that hold images among other things.
 

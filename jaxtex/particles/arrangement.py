@@ -27,6 +27,7 @@ _MOST_GROWTH = 2.0
 """Steps by which a particle grows at most, in its sizes. Its size is its box's longer side, or the side of the square
 that each particle of its class has on average, if that is more: sparse things have neighbours too."""
 
+_DENSE = 0.4  # of the picture: where things cover so much, they nearly touch
 _FEWEST = 4  # particles of a class that have an arrangement (section 2.2: one, two or three have none)
 _CLOSEST = 0.1  # of all neighbours that are nearest to a particle: how many are closer than what they keep as a rule
 _COMPARED = 16  # other particles whose lists are tried at each particle
@@ -129,16 +130,24 @@ def _learn_class(decomposition: Decomposition, kinds: Sequence[int], kind: int) 
         where = find_objects(decomposition.labels)
         seen = {number: _find_neighbours(decomposition, numbers, number, where[number]) for number in members}
         frames = _choose_frames(decomposition, numbers, seen)
-        lists = tuple(
-            entries
+        listed = {
+            number: pairs
             for number in seen
-            if (entries := _list_neighbours(decomposition, number, seen[number], frames.of(boxes[number])))
-        )
-        if lists:
-            return Listed(members, lists, *frames, *_measure_closeness(decomposition, seen), density)
+            if (pairs := _list_neighbours(decomposition, number, seen[number], frames.of(boxes[number])))
+        }
+        if listed:
+            index = {number: place for place, number in enumerate(members)}
+            lists = tuple(tuple(entry for _, entry in pairs) for pairs in listed.values())
+            neighbours = tuple(tuple(index.get(other, -1) for other, _ in pairs) for pairs in listed.values())
+            owners = tuple(index[number] for number in listed)
+            coherent = bool(np.mean(decomposition.labels > 0) >= _DENSE)
+            closeness = _measure_closeness(decomposition, seen)
+            return Listed(members, lists, owners, neighbours, coherent, *frames, *closeness, density)
     height, width = decomposition.labels.shape
     apart = [hypot(boxes[i].x - boxes[j].x, boxes[i].y - boxes[j].y) for i, j in combinations(numbers, 2)]
-    return Scattered(members, tuple(apart) or (float(width), float(height)), density)
+    # Of a ring and what is in its middle, no distance is known.
+    known = tuple(each for each in apart if each >= 1)
+    return Scattered(members, known or (float(width), float(height)), density)
 
 
 def _measure_density(decomposition: Decomposition, numbers: Sequence[int], members: Sequence[int]) -> float:
@@ -206,19 +215,20 @@ def _direct(decomposition: Decomposition, number: int, seen: Sequence[_Seen], an
 
 def _list_neighbours(
     decomposition: Decomposition, number: int, seen: Sequence[_Seen], angle: float
-) -> tuple[Cooccurrence, ...]:
+) -> tuple[tuple[int, Cooccurrence], ...]:
+    """Co-occurrences, each with the number of the particle that it was seen of; -1 where it was made up."""
     found = list(_direct(decomposition, number, seen, angle))
     whole = [entry for other, entry in found if decomposition.particles[other].complete]
     cut = [entry for other, entry in found if not decomposition.particles[other].complete]
-    entries = list(whole)
+    pairs = [(other, entry) for other, entry in found if decomposition.particles[other].complete]
     for turn, source in ((2, whole), (0, cut), (2, cut), (1, None)):
-        there = {entry.quadrant for entry in entries}
-        for entry in list(entries) if source is None else source:
+        there = {entry.quadrant for _, entry in pairs}
+        for entry in [each for _, each in pairs] if source is None else source:
             quadrant = (entry.quadrant + turn) % 4
             if quadrant not in there:
                 gaps = (entry.dx, entry.dy) if turn != 1 else (entry.dy, entry.dx)
-                entries.append(Cooccurrence(quadrant, *gaps))
-    return tuple(entries)
+                pairs.append((-1, Cooccurrence(quadrant, *gaps)))
+    return tuple(pairs)
 
 
 def _choose_frames(decomposition: Decomposition, numbers: Sequence[int], seen: dict[int, list[_Seen]]) -> _Frames:

@@ -23,6 +23,13 @@ class Form(NamedTuple):
         """The box with a margin around it."""
         return self._replace(across=self.across + margin, down=self.down + margin)
 
+    def changed(self, scale: float, angle: float) -> "Form":
+        """The box larger by a factor and turned by radians."""
+        c, s = cos(angle), sin(angle)
+        return Form(
+            scale * self.across, scale * self.down, self.cosine * c - self.sine * s, self.sine * c + self.cosine * s
+        )
+
 
 def form_of(box: Box) -> Form:
     """A box's form.

@@ -4,7 +4,9 @@ J.-M. Dischler, K. Maritaud, B. Lévy and D. Ghazanfarpour, "Texture particles" 
 figure 4.
 """
 
-from math import cos, sin
+from collections.abc import Sequence
+from math import cos, hypot, sin
+from statistics import median
 from typing import NamedTuple
 
 from jaxtex.particles.boxes import Form, form_of, reach_along
@@ -34,6 +36,11 @@ class Listed(NamedTuple):
     Attributes:
         members: its complete particles, numbers from 0 in the decomposition.
         lists: of co-occurrences, one for each complete particle that has neighbours.
+        owners: whose list each is, as an index in `members`.
+        neighbours: to each entry of each list the particle that it was seen of, as an index in `members`; -1 where that
+            is none of them, since it is cut off or mirrored.
+        coherent: whether a particle is best surrounded by those that were around it in the picture: where things nearly
+            touch, which of them fit together is no matter of chance.
         turned: whether each particle's frame is turned as its own box is.
         angle: by which all frames are turned otherwise, radians.
         clearance: pixels between the boxes of neighbours, of most at least; 0 where boxes overlap.
@@ -44,6 +51,9 @@ class Listed(NamedTuple):
 
     members: tuple[int, ...]
     lists: tuple[tuple[Cooccurrence, ...], ...]
+    owners: tuple[int, ...]
+    neighbours: tuple[tuple[int, ...], ...]
+    coherent: bool
     turned: bool
     angle: float
     clearance: float
@@ -112,6 +122,24 @@ def place_neighbour(entry: Cooccurrence, form: Form, other: Form, cosine: float,
     x = toward_x * _away(entry.dx, across + other_across)
     y = toward_y * _away(entry.dy, down + other_down)
     return x * cosine - y * sine, x * sine + y * cosine
+
+
+def usual_distance(rule: Listed | Scattered, forms: Sequence[Form]) -> float:
+    """How far the nearest neighbour is as a rule, centre to centre, in pixels.
+
+    Args:
+        rule: how a class is arranged.
+        forms: the boxes of its particles.
+
+    Examples:
+        >>> usual_distance(Scattered((0, 1), (20.0,), 0.01), [])
+        20.0
+    """
+    if isinstance(rule, Scattered):
+        return min(rule.distances)
+    form = sorted(forms, key=lambda form: form.across * form.down)[len(forms) // 2]
+    frame = (form.cosine, form.sine) if rule.turned else (cos(rule.angle), sin(rule.angle))
+    return median(min(hypot(*place_neighbour(entry, form, form, *frame)) for entry in each) for each in rule.lists)
 
 
 def _gap(away: float, reach: float) -> float:

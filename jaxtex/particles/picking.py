@@ -13,7 +13,8 @@ from skimage.morphology import remove_small_holes, remove_small_objects
 
 from jaxtex.core.colour import linear_to_srgb
 from jaxtex.core.errors import InputError
-from jaxtex.particles.segmentation import split_touching
+from jaxtex.particles.ground import split_touching
+from jaxtex.particles.kinds import nearest_centre
 from jaxtex.particles.things import Decomposition, describe_particles
 from jaxtex.photo.pictures import check_picture, to_lab
 
@@ -67,7 +68,7 @@ def pick_particles(
     owners = np.repeat(np.arange(len(picked)), [len(each) for each in picked])
     centres = np.concatenate(picked)
     beyond = _find_ground(values, centres) if ground is None else _convert_colours(ground, picture, distance)
-    nearest = np.append(owners, np.full(len(beyond), -1))[_nearest(values, np.concatenate([centres, beyond]))]
+    nearest = np.append(owners, np.full(len(beyond), -1))[nearest_centre(values, np.concatenate([centres, beyond]))]
     labels, kinds = _number_things(nearest, len(picked), smoothing)
     if not kinds:
         raise InputError("picture: nothing has these colours; pick others")
@@ -83,11 +84,6 @@ def _convert_colours(colours: npt.ArrayLike, picture: Map, distance: ColourDista
     if given.ndim != 2 or given.shape[1] != picture.shape[2]:
         raise InputError(f"colours of shape {given.shape}: give [colour, channel], of the picture's {picture.shape[2]}")
     return _convert(given[:, None], distance)[:, 0]
-
-
-def _nearest(values: Map, centres: Map) -> npt.NDArray[np.intp]:
-    """The nearest centre [centre, feature] to each value [row, col, feature]."""
-    return np.argmin(np.stack([np.square(values - each).sum(axis=-1) for each in centres]), axis=0)
 
 
 def _find_ground(values: Map, centres: Map) -> Map:

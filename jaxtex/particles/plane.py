@@ -4,6 +4,8 @@
 """
 
 from collections import defaultdict
+from collections.abc import Iterator
+from itertools import chain
 from math import floor
 from typing import Generic, NamedTuple, TypeVar
 
@@ -64,7 +66,7 @@ class Grid(Generic[Item]):
     Examples:
         >>> grid = Grid(Plane(100, 50, True), 10.0)
         >>> grid.add(98.0, 20.0, "leaf")
-        >>> grid.near(3.0, 22.0), grid.near(50.0, 22.0)
+        >>> list(grid.near(3.0, 22.0)), list(grid.near(50.0, 22.0))
         (['leaf'], [])
     """
 
@@ -76,16 +78,21 @@ class Grid(Generic[Item]):
         self._across = plane.width / self._columns if plane.periodic else reach
         self._down = plane.height / self._rows if plane.periodic else reach
         self._cells: defaultdict[tuple[int, int], list[Item]] = defaultdict(list)
+        self._around: dict[tuple[int, int], tuple[list[Item], ...]] = {}
 
     def add(self, x: float, y: float, item: Item) -> None:
         """Put a thing at a place."""
         self._cells[self._cell(floor(x / self._across), floor(y / self._down))].append(item)
 
-    def near(self, x: float, y: float) -> list[Item]:
-        """All things within reach of a place, and some a little further away."""
-        column, row = floor(x / self._across), floor(y / self._down)
-        cells = dict.fromkeys(self._cell(column + i, row + j) for i in (0, -1, 1) for j in (0, -1, 1))
-        return [item for cell in cells if cell in self._cells for item in self._cells[cell]]
+    def near(self, x: float, y: float) -> Iterator[Item]:
+        """All things within reach of a place, and some a little further away; those of its own cell come first."""
+        at = floor(x / self._across), floor(y / self._down)
+        around = self._around.get(at)
+        if around is None:
+            cells = dict.fromkeys(self._cell(at[0] + i, at[1] + j) for i in (0, -1, 1) for j in (0, -1, 1))
+            # The lists themselves, so that what is put into them later is found too.
+            around = self._around[at] = tuple(self._cells[cell] for cell in cells)
+        return chain.from_iterable(around)
 
     def _cell(self, column: int, row: int) -> tuple[int, int]:
         return (column % self._columns, row % self._rows) if self._plane.periodic else (column, row)

@@ -139,11 +139,16 @@ def join_things(pixels: npt.ArrayLike, cut: Decomposition, found: Decomposition,
     return describe_particles(labels, np.unique(kinds, return_inverse=True)[1])
 
 
-def read_polygons(path: Path | str) -> list[Polygon]:
+def read_polygons(path: Path | str, size: tuple[int, int] | None = None) -> list[Polygon]:
     """Read outlines as labelme saves them: JSON, with "shapes", each with "label" and "points" [[x, y], ...].
 
+    Args:
+        path: the file. Rectangles may be given by two corners.
+        size: width and height of the picture that they are of.
+
     Raises:
-        InputError: there is no such file, or it holds no polygons; the message names the file and the shape.
+        InputError: there is no such file, it holds no polygons, or they are of a picture of another size; the message
+            names the file and the shape.
 
     Examples:
         >>> text = '{"shapes": [{"label": "leaf", "points": [[2, 1], [6, 1], [6, 4]]}]}'
@@ -157,7 +162,10 @@ def read_polygons(path: Path | str) -> list[Polygon]:
         raise InputError(f"{path}: is no JSON ({error})") from None
     shapes = document.get("shapes") if isinstance(document, dict) else None
     if not isinstance(shapes, list) or not shapes:
-        raise InputError(f'{path}: has no "shapes"; save outlines as labelme does')
+        raise InputError(f'{path}: has no "shapes", or none in them; save outlines as labelme does')
+    told = document.get("imageWidth"), document.get("imageHeight")
+    if size is not None and None not in told and told != size:
+        raise InputError(f"{path}: is of a picture of {told[0]} x {told[1]}; this one is {size[0]} x {size[1]}")
     return [_read_polygon(path, number, shape) for number, shape in enumerate(shapes, 1)]
 
 
@@ -167,6 +175,9 @@ def _read_polygon(path: Path | str, number: int, shape: Any) -> Polygon:
         name = shape.get("label")
     except (KeyError, TypeError, ValueError, AttributeError):
         raise InputError(f'{path}: shape {number} has no "points" [[x, y], ...]') from None
+    if shape.get("shape_type") == "rectangle" and points.shape == (2, 2):
+        (left, top), (right, bottom) = points
+        return Polygon(np.array([[left, top], [right, top], [right, bottom], [left, bottom]]), str(name or ""))
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 3 or shape.get("shape_type", "polygon") != "polygon":
         raise InputError(f"{path}: shape {number} is no polygon; cut things out with three corners or more")
     return Polygon(points, str(name) if name is not None else "")

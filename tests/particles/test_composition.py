@@ -23,13 +23,14 @@ from jaxtex.particles.composition import (
 from jaxtex.particles.things import describe_particles
 
 THINGS = Exemplar(64, 48, 3, "0" * 64)
-ARRAYS = ("kinds", "particles", "x", "y", "angles", "scales")
+ARRAYS = ("kinds", "particles", "x", "y", "angles", "scales", "gains")
 
 
 def make(*rows: tuple, **changes: Any) -> Composition:
+    """Rows of six numbers, or of seven with gains at the end."""
     columns = list(zip(*rows, strict=True)) if rows else [()] * 6
     values: dict[str, Any] = {"width": 60, "height": 40, "periodic": True, "exemplar": THINGS}
-    return Composition(**(values | dict(zip(ARRAYS, columns, strict=True)) | changes))
+    return Composition(**(values | dict(zip(ARRAYS, columns, strict=False)) | changes))
 
 
 rows = st.tuples(
@@ -39,6 +40,7 @@ rows = st.tuples(
     st.floats(-1e4, 1e4),
     st.floats(-7, 7),
     st.floats(1e-3, 1e3),
+    st.tuples(*[st.floats(0, 100)] * 3),
 )
 
 
@@ -53,6 +55,7 @@ def test_what_is_written_comes_back(tmp_path_factory: pytest.TempPathFactory, pl
     for name in ARRAYS:
         np.testing.assert_allclose(getattr(found, name), getattr(made, name), rtol=0, atol=1e-12)
         assert getattr(found, name).dtype == getattr(made, name).dtype
+        assert getattr(found, name).shape == getattr(made, name).shape
     first = path.read_bytes()
     write_composition(path, found)
     assert path.read_bytes() == first
@@ -62,18 +65,22 @@ def test_what_is_written_comes_back(tmp_path_factory: pytest.TempPathFactory, pl
 def test_each_placed_particle_has_a_line(tmp_path: Path) -> None:
     write_composition(tmp_path / "wall.json", make((0, 2, 30.5, 20.0, np.pi / 2, 1.0), (0, 1, 3.0, 2.0, 0.0, 1.5)))
     lines = [line.strip() for line in (tmp_path / "wall.json").read_text().splitlines()]
-    assert "[0, 2, 30.5, 20.0, 90.0, 1.0]," in lines
-    assert '"columns": ["class", "particle", "x", "y", "angle", "scale"],' in lines
+    assert "[0, 2, 30.5, 20.0, 90.0, 1.0, 1.0, 1.0, 1.0]," in lines
+    assert '"columns": ["class", "particle", "x", "y", "angle", "scale", "red", "green", "blue"],' in lines
 
 
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
-        ({"placed": [[0, 1.5, 3, 3, 0, 1]]}, r"placed\[0\]: particle is 1.5; it must be a whole number from 0"),
-        ({"placed": [[-1, 1, 3, 3, 0, 1]]}, r"placed\[0\]: class is -1; it must be a whole number from 0"),
-        ({"placed": [[0, 1, 3, 3, 0, 0]]}, r"placed\[0\]: scale is 0; it must be more than 0"),
-        ({"placed": [[0, 1, 3, 3, 0]]}, r"placed\[0\] is .*; it must be a list of 6"),
-        ({"placed": [[0, 1, "left", 3, 0, 1]]}, r"placed\[0\]\[2\] is \"left\"; it must be a number"),
+        (
+            {"placed": [[0, 1.5, 3, 3, 0, 1, 1, 1, 1]]},
+            r"placed\[0\]: particle is 1.5; it must be a whole number from 0",
+        ),
+        ({"placed": [[-1, 1, 3, 3, 0, 1, 1, 1, 1]]}, r"placed\[0\]: class is -1; it must be a whole number from 0"),
+        ({"placed": [[0, 1, 3, 3, 0, 0, 1, 1, 1]]}, r"placed\[0\]: scale is 0; it must be from 0.001 to 1000"),
+        ({"placed": [[0, 1, 3, 3, 0, 1]]}, r"placed\[0\] is .*; it must be a list of 9"),
+        ({"placed": [[0, 1, "left", 3, 0, 1, 1, 1, 1]]}, r"placed\[0\]\[2\] is \"left\"; it must be a number"),
+        ({"placed": [[0, 1, 3, 3, 0, 1, 1, -1, 1]]}, r"placed\[0\]: green is -1; it must be at least 0"),
         ({"size": [0, 4]}, r"size\[0\] is 0; it must be at least 1"),
         ({"columns": ["particle", "class", "x", "y", "angle", "scale"]}, "columns is"),
         ({"periodic": 1}, "periodic is 1; it must be true or false"),
@@ -100,6 +107,8 @@ def test_faults_are_told_in_one_line(tmp_path: Path, change: dict, complaint: st
         ({"y": [np.nan]}, "y: holds a number"),
         ({"particles": [-1]}, "particles: holds a number"),
         ({"scales": [0.0]}, "scales: holds 0"),
+        ({"gains": np.ones((2, 3))}, r"gains of shape \(2, 3\)"),
+        ({"gains": [[1.0, -1.0, 1.0]]}, "gains: holds a number"),
     ],
 )
 def test_what_is_no_composition_is_refused(changes: dict, complaint: str) -> None:
@@ -132,3 +141,40 @@ def test_compositions_know_their_particles() -> None:
         check_exemplar(make((1, 0, 1.0, 1.0, 0.0, 1.0), exemplar=there), things)
     with pytest.raises(InputError, match=r"placed\[0\]: particle is 2; it must be at most 1"):
         check_exemplar(make((0, 2, 1.0, 1.0, 0.0, 1.0), exemplar=there), things)
+
+
+def test_particles_are_taken_away_and_the_rest_is_kept() -> None:
+    gains = [[1.0, 1.0, 1.0], [0.5, 1.0, 1.0], [1.0, 1.0, 2.0]]
+    made = make(*((0, number, 3.0 * number, 5.0, 0.1 * number, 1.0) for number in range(3)), gains=gains)
+    rest = made.without([0])
+    for name in ARRAYS:
+        np.testing.assert_array_equal(getattr(rest, name), getattr(made, name)[1:])
+    np.testing.assert_array_equal(made.without([]).x, made.x)
+    np.testing.assert_array_equal(made.select(made.x < 4).particles, [0, 1])
+    np.testing.assert_array_equal(made.select([2, 0]).gains, np.array(gains)[[2, 0]])
+    assert len(made.select([])) == 0
+    assert (rest.width, rest.periodic, rest.exemplar) == (made.width, made.periodic, made.exemplar)
+
+
+def test_a_particle_is_added_over_the_others() -> None:
+    made = make((0, 1, 3.0, 5.0, 0.3, 1.0)).with_particle(1, 2, 7.0, 8.0, angle=0.5, scale=2.0, gain=(1.0, 0.5, 0.0))
+    added = [getattr(made, name)[-1].tolist() for name in ARRAYS]
+    assert added == [1, 2, 7.0, 8.0, 0.5, 2.0, [1.0, 0.5, 0.0]]
+    assert made.kinds.dtype == np.intp
+    np.testing.assert_array_equal(made.without([1]).x, [3.0])
+
+
+@pytest.mark.parametrize(
+    ("edit", "complaint"),
+    [
+        (lambda made: made.without([1]), "give numbers from 0 to 0"),
+        (lambda made: made.without([-1]), "give numbers from 0 to 0"),
+        (lambda made: made.without([0.5]), "give whole numbers"),
+        (lambda made: made.select([True, False]), "give yes or no to each of the 1 placed"),
+        (lambda made: made.with_particle(0, 0, 1.0, 1.0, scale=0.0), "scales: holds 0"),
+        (lambda made: made.with_particle(0, 0, 1.0, 1.0, gain=(1.0, 1.0)), "match exactly|dimension"),
+    ],
+)
+def test_edits_of_what_is_not_there_are_refused(edit: Any, complaint: str) -> None:
+    with pytest.raises(ValueError, match=complaint):
+        edit(make((0, 1, 3.0, 3.0, 0.0, 1.0)))

@@ -37,7 +37,7 @@ def test_everything_within_reach_is_found_once(plane: Plane, reach: float, seed:
     for number, place in enumerate(places):
         grid.add(*place, number)
     for place in places:
-        found = grid.near(*place)
+        found = list(grid.near(*place))
         within = {number for number, other in enumerate(places) if np.hypot(*plane.difference(*place, *other)) <= reach}
         if not plane.periodic or min(plane.width, plane.height) >= reach:
             assert within <= set(found)

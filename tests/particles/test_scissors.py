@@ -111,6 +111,16 @@ def test_outlines_are_read_as_labelme_saves_them(tmp_path: Path) -> None:
     assert read_polygons(path)[0].points.tolist() == shape["points"]
 
 
+def test_rectangles_are_polygons_and_sizes_of_pictures_are_compared(tmp_path: Path) -> None:
+    path = tmp_path / "cut.json"
+    shape = {"label": "a", "points": [[1, 2], [5, 8]], "shape_type": "rectangle"}
+    path.write_text(json.dumps({"shapes": [shape], "imageWidth": 20, "imageHeight": 10}))
+    labels = cut_polygons(read_polygons(path, (20, 10)), (10, 20))
+    np.testing.assert_array_equal(np.argwhere(labels), [(row, column) for row in range(2, 8) for column in range(1, 5)])
+    with pytest.raises(InputError, match="20 x 10; this one is 40 x 20"):
+        read_polygons(path, (40, 20))
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [
