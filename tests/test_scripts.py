@@ -259,3 +259,42 @@ def test_coats_repeat_at_their_borders(script: ModuleType) -> None:
             steps = np.abs(np.diff(coat.pixels, axis=axis, append=coat.pixels.take([0], axis))).mean(axis=2)
             seam = steps.take(-1, axis).mean()
             assert seam < 1.5 * steps.mean()
+
+
+@pytest.mark.parametrize("script", ["progressive_blending"], indirect=True)
+def test_strips_tell_how_many_elements_there_are_and_how_round(script: ModuleType) -> None:
+    row, column = np.indices((80, 320)) % 20 - 10
+    many = np.hypot(row, column) < 6
+    mask = np.where(np.arange(320) < 160, np.abs(row) < 3, many).astype(np.uint8)
+    area, elements, roundness = script.measure_strips(mask)
+    np.testing.assert_allclose(area[[0, -1]], [5 / 20, many.mean()], atol=1e-9)
+    np.testing.assert_allclose(elements[[0, -1]], [1e4 * 4 / (80 * 40), 1e4 * 8 / (80 * 40)])
+    assert roundness[-1] == pytest.approx(1, abs=0.2)
+    assert roundness[0] > 2
+
+
+@pytest.mark.parametrize("script", ["progressive_blending"], indirect=True)
+def test_going_back_is_told_as_a_share_of_the_way(script: ModuleType) -> None:
+    assert script.turning_back(np.array([0.0, 0.1, 0.4, 1.0])) == 0
+    assert script.turning_back(np.array([3.0, 2.0, 2.5, 1.0])) == pytest.approx(0.25)
+    assert script.turning_back(np.array([0.0, 1.5, 1.0])) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("script", ["progressive_blending"], indirect=True)
+def test_a_mixture_has_each_texture_where_it_is_alone(script: ModuleType) -> None:
+    rng = np.random.default_rng(0)
+    exemplars = [level + 0.1 * rng.random((64, 64, 3)) for level in (0.1, 0.8)]
+    far = np.broadcast_to(np.linspace(0, 1, 64), (48, 64))
+    made = script.mix_textures(exemplars, np.stack([1 - far, far]))
+    level = made.mean(axis=(0, 2))
+    np.testing.assert_allclose(level, 0.15 + 0.7 * far[0], atol=0.05)
+
+
+@pytest.mark.parametrize("script", ["progressive_blending"], indirect=True)
+def test_labels_blended_change_where_weights_are_equal(script: ModuleType) -> None:
+    masks = [np.zeros((40, 80), np.uint8), np.ones((40, 80), np.uint8)]
+    far = np.broadcast_to(np.linspace(0, 1, 80), (40, 80))
+    blended, blurred, mask = script.blend_labels(masks, np.stack([1 - far, far]))
+    np.testing.assert_allclose(blended, far)
+    assert np.abs(blurred - far).max() < 0.05
+    np.testing.assert_array_equal(mask, far > 0.5)

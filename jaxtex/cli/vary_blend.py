@@ -11,7 +11,6 @@ from jaxtex.core.errors import InputError
 if TYPE_CHECKING:
     import numpy as np
 
-_LEAST_SIDE = 16  # pixels of the result
 _DARKEST = 1e-3  # of weights that are summed up
 
 
@@ -57,7 +56,7 @@ class VaryBlend:
 
     def run(self) -> int:
         from jaxtex.cli import varying
-        from jaxtex.cli.values import check_memory, check_seed
+        from jaxtex.cli.values import check_seed
 
         check_seed(self.seed)
         radius = varying.check_neighborhood(self.neighborhood)
@@ -69,8 +68,8 @@ class VaryBlend:
             pictures = [each.repeat(3 // each.shape[2], axis=2) for each in pictures]
         masks = [varying.read_mask_of(*each) for each in zip(self.masks, self.exemplars, pictures, strict=True)]
         self._check_types(masks)
-        size = self._find_size(pictures)
-        check_memory(f"--size: {size[0]}x{size[1]}", 400 * len(pictures) * size[0] * size[1])
+        smallest = min(each.shape[1] for each in pictures), min(each.shape[0] for each in pictures)
+        size = smallest if self.size is None else varying.parse_made_size(self.size)
         weights = self._read_weights(size)
         texture, mask = self._blend(pictures, masks, weights, radius)
 
@@ -102,20 +101,6 @@ class VaryBlend:
             if each != types[0]:
                 raise InputError(f"{path}: has types {each}, and {self.masks[0]} {types[0]}; give them the same types")
 
-    def _find_size(self, pictures: list["np.ndarray"]) -> tuple[int, int]:
-        from jaxtex.cli.values import parse_size
-        from jaxtex.cli.varying import MOST_PIXELS
-
-        if self.size is None:
-            return min(each.shape[1] for each in pictures), min(each.shape[0] for each in pictures)
-        width, height = parse_size("--size", self.size)
-        if min(width, height) < _LEAST_SIDE or width * height > MOST_PIXELS:
-            raise InputError(
-                f"--size: {width}x{height} is out of range; give {_LEAST_SIDE} pixels or more along each side, and at "
-                f"most {MOST_PIXELS >> 20} megapixels"
-            )
-        return width, height
-
     def _read_weights(self, size: tuple[int, int]) -> "np.ndarray":
         """[texture, row, col]."""
         import numpy as np
@@ -138,20 +123,19 @@ class VaryBlend:
         import jax
         import numpy as np
 
-        from jaxtex.cli.progress import reporting
         from jaxtex.cli.synth_methods import encode, white_of
-        from jaxtex.cli.varying import filter_exemplar
+        from jaxtex.cli.varying import filter_exemplar, lay_out
         from jaxtex.core.colour import srgb_to_linear
-        from jaxtex.progressive.blending import Blend, blend_masks, lay_out_mask
+        from jaxtex.progressive.blending import Blend, blend_masks
 
-        shape = weights.shape[1], weights.shape[2]
+        size = weights.shape[2], weights.shape[1]
         keys = jax.random.split(jax.random.key(self.seed), (len(pictures), 2))
         white = white_of(*pictures)
         encoded = [encode(each, None, white=white) for each in pictures]
-        laid = []
-        for path, picture, mask, own in zip(self.masks, encoded, masks, keys, strict=True):
-            with reporting(f"making more of {path}") as report:
-                laid.append(lay_out_mask(picture, mask, shape, key=own[0], report=report))
+        laid = [
+            lay_out(f"making more of {path}", picture, mask, size, own[0])
+            for path, picture, mask, own in zip(self.masks, pictures, masks, keys, strict=True)
+        ]
         between = blend_masks(laid, weights)
         sources = [
             filter_exemplar(f"laying out {path}", picture, mask, between, own[1], radius)

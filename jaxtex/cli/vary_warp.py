@@ -13,6 +13,7 @@ from jaxtex.core.errors import InputError
 if TYPE_CHECKING:
     import numpy as np
 
+    from jaxtex.progressive.varying import VaryingTexture
     from jaxtex.progressive.warping import Direction
 
 _MOST_SCALE = 8.0
@@ -34,7 +35,7 @@ class VaryWarp:
     they were; where it is white, they have changed in full. By default it goes from left to right. What is done
     stands in the options below, in this order.
 
-    Example: jaxtex vary warp tiger.png mask.png -o thin.png --grow=-6:1:horizontal
+    Example: jaxtex vary warp tiger.png mask.png -o thin.png --size 512x256 --grow=-6:1:horizontal
 
     Example: jaxtex vary warp leopard.png mask.png -o coat.png --grow=-6:0,1 --grow=4:0 --save coat.npz
 
@@ -46,7 +47,10 @@ class VaryWarp:
     mask: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="MASK")]
     """Its texton mask, of its size: two to four values, the darkest of which is type 0, what is around elements."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
-    """The picture to write, of the exemplar's size: .png, .jpg, .tif or .exr."""
+    """The picture to write: .png, .jpg, .tif or .exr."""
+    size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint="")] = None
+    """Its size in pixels. By default the exemplar's, with its elements where they are there; of a larger one, elements
+    are laid out anew, as many more as it takes."""
     scale: Annotated[float | None, tyro.conf.arg(metavar="S", help_behavior_hint="")] = None
     """Make each element so many times as large, about its centre. Elements that would meet bend each other."""
     turn: Annotated[float | None, tyro.conf.arg(metavar="DEGREES", help_behavior_hint="")] = None
@@ -89,19 +93,31 @@ class VaryWarp:
         )
         pixels = varying.read_exemplar(self.exemplar, self.neighborhood)
         labels = varying.read_mask_of(self.mask, self.exemplar, pixels)
-        transition = varying.read_transition(self.transition, self.keys, (labels.shape[1], labels.shape[0]))
-        wanted = self._warp(labels, transition, growths)
+        size = (labels.shape[1], labels.shape[0]) if self.size is None else varying.parse_made_size(self.size)
+        transition = varying.read_transition(self.transition, self.keys, size)
+        made = self._make(pixels, labels, transition, growths, radius)
+        varying.write_results(self.output, made, save=self.save, mask=self.mask_output)
+        return 0
 
+    def _make(
+        self,
+        pixels: "np.ndarray",
+        labels: "np.ndarray",
+        transition: "np.ndarray",
+        growths: list[_Growth],
+        radius: int,
+    ) -> "VaryingTexture":
         import jax
 
+        from jaxtex.cli.varying import filter_exemplar, lay_out
         from jaxtex.progressive.varying import VaryingTexture
         from jaxtex.synthesis.anisometric import sample_sources
 
-        key = jax.random.key(self.seed)
-        sources = varying.filter_exemplar(f"making {self.output}", pixels, labels, wanted, key, radius)
-        made = VaryingTexture.of(sample_sources(pixels, sources), mask=wanted, transition=transition)
-        varying.write_results(self.output, made, save=self.save, mask=self.mask_output)
-        return 0
+        keys = jax.random.split(jax.random.key(self.seed))
+        laid = lay_out(f"making more of {self.mask}", pixels, labels, transition.shape[::-1], keys[0])
+        wanted = self._warp(laid, transition, growths)
+        sources = filter_exemplar(f"making {self.output}", pixels, labels, wanted, keys[1], radius)
+        return VaryingTexture.of(sample_sources(pixels, sources), mask=wanted, transition=transition)
 
     def _check(self, grows: bool) -> None:
         if not grows and self.scale is None and self.turn is None and self.displace is None:

@@ -11,7 +11,9 @@ if TYPE_CHECKING:
 
     from jaxtex.progressive.varying import VaryingTexture
 
-MOST_PIXELS = 1 << 22  # of a picture that is learnt from or made: more take gigabytes, and an hour
+_LEAST_SIDE = 16  # pixels of what is made
+_LEAST_MEMORY = 400  # bytes that each of its pixels takes
+_MOST_PIXELS = 1 << 22  # of a picture that is learnt from or made: more take gigabytes, and an hour
 
 
 def read_exemplar(path: Path, side: int) -> "np.ndarray":
@@ -34,8 +36,8 @@ def read_exemplar(path: Path, side: int) -> "np.ndarray":
             f"{path}: is {image.width} x {image.height} pixels, and neighborhoods are {side} x {side}; give a larger "
             "picture, or a smaller --neighborhood"
         )
-    if image.width * image.height > MOST_PIXELS:
-        raise InputError(f"{path}: has more than {MOST_PIXELS >> 20} megapixels; shrink it, or cut a part out")
+    if image.width * image.height > _MOST_PIXELS:
+        raise InputError(f"{path}: has more than {_MOST_PIXELS >> 20} megapixels; shrink it, or cut a part out")
     return image.pixels
 
 
@@ -88,6 +90,34 @@ def read_transition(transition: Path | None, keys: Path | None, size: tuple[int,
     if np.ptp(values, axis=2).max() > 0.02 or values.min() < 0 or values.max() > 1:
         raise InputError(f"{transition}: is no transition; give a grey picture with values from 0 (black) to 1 (white)")
     return np.asarray(transition_field(values[..., 0], size))
+
+
+def parse_made_size(word: str) -> tuple[int, int]:
+    """The (width, height) of --size.
+
+    Raises:
+        InputError: it is none, or out of range.
+    """
+    from jaxtex.cli.values import check_memory, parse_size
+
+    width, height = parse_size("--size", word)
+    if min(width, height) < _LEAST_SIDE or width * height > _MOST_PIXELS:
+        raise InputError(
+            f"--size: {width}x{height} is out of range; give {_LEAST_SIDE} pixels or more along each side, and at most "
+            f"{_MOST_PIXELS >> 20} megapixels"
+        )
+    check_memory(f"--size: {width}x{height}", _LEAST_MEMORY * width * height)
+    return width, height
+
+
+def lay_out(what: str, exemplar: "np.ndarray", mask: "np.ndarray", size: tuple[int, int], key: "Array") -> "np.ndarray":
+    """An exemplar's mask at the size (width, height) of what is made, with a progress bar."""
+    from jaxtex.cli.progress import reporting
+    from jaxtex.cli.synth_methods import encode
+    from jaxtex.progressive.blending import lay_out_mask
+
+    with reporting(what) as report:
+        return lay_out_mask(encode(exemplar, None), mask, size[::-1], key=key, report=report)
 
 
 def filter_exemplar(

@@ -175,7 +175,7 @@ def displace_elements(
     """The displacement that scales, turns and shifts each element about its own centre, for `warp_mask`.
 
     Contours and centres of elements are features; between these, radial basis functions (thin plates) bend the plane.
-    The picture's border stays. Elements are the connected regions of a type other than 0 that do not touch it.
+    The picture's border stays, and so do elements that touch it. Elements are the connected regions of a type but 0.
 
     Args:
         mask: labels 0 to 3, [row, col].
@@ -203,11 +203,12 @@ def displace_elements(
     if sizes.min() <= 0:
         raise ValueError("scale: holds values that are not above 0")
     was, becomes = [_hold_border(labels.shape)], [_hold_border(labels.shape)]
-    for centre, contour in _find_features(labels):
+    for centre, contour, whole in _find_features(labels):
         at = tuple(np.clip(np.rint(centre), 0, np.array(labels.shape) - 1).astype(int))
         cosine, sine = sizes[at] * np.cos(turns[at]), sizes[at] * np.sin(turns[at])
+        moved = centre + moves[at] + (contour - centre) @ np.array([[cosine, -sine], [sine, cosine]])
         was.append(contour)
-        becomes.append(centre + moves[at] + (contour - centre) @ np.array([[cosine, -sine], [sine, cosine]]))
+        becomes.append(moved if whole else contour)
     there, target = np.concatenate(was), np.concatenate(becomes)
     target, kept = np.unique(target, axis=0, return_index=True)
     bend = RBFInterpolator(target, there[kept] - target, neighbors=min(_NEIGHBOURS, len(target)))
@@ -272,17 +273,17 @@ def _spread(values: npt.ArrayLike, shape: tuple[int, ...], name: str) -> Floats:
     return np.broadcast_to(given, shape)
 
 
-def _find_features(labels: Labels) -> list[tuple[Floats, Floats]]:
-    """The centre of each element [2], and points around it and at it [feature, 2]."""
+def _find_features(labels: Labels) -> list[tuple[Floats, Floats, bool]]:
+    """The centre of each element [2], points at it and around it [feature, 2], and whether all of it is seen."""
     features = []
     for value in np.unique(labels[labels > 0]):
         for region in regionprops(ndimage.label(labels == value)[0]):
             top, left, bottom, right = region.bbox
-            if min(top, left) > 0 and bottom < labels.shape[0] and right < labels.shape[1]:
-                contours = find_contours(np.pad(region.image, 1).astype(float), 0.5)
-                points = [each[:-1:_CONTOUR_STEP] + np.array([top - 1, left - 1]) for each in contours]
-                centre = np.array(region.centroid)
-                features.append((centre, np.concatenate([centre[None], *points])))
+            contours = find_contours(np.pad(region.image, 1).astype(float), 0.5)
+            points = [each[:-1:_CONTOUR_STEP] + np.array([top - 1, left - 1]) for each in contours]
+            centre = np.array(region.centroid)
+            whole = min(top, left) > 0 and bottom < labels.shape[0] and right < labels.shape[1]
+            features.append((centre, np.concatenate([centre[None], *points]), whole))
     return features
 
 

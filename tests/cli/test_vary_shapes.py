@@ -1,0 +1,152 @@
+"""`jaxtex vary warp` and `vary blend` from the words typed to the files written."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jaxtex.cli.main import main
+from jaxtex.io.images import read_image, write_image
+from jaxtex.io.masks import write_mask
+from jaxtex.progressive.texton_masks import read_texton_mask, write_texton_mask
+from jaxtex.progressive.varying import read_varying
+
+
+def spots(apart: int, radius: float) -> np.ndarray:
+    return (np.hypot(*(np.indices((48, 64)) % apart - apart / 2)) < radius).astype(np.uint8)
+
+
+def stripes() -> np.ndarray:
+    return np.broadcast_to(np.arange(64) % 16 < 8, (48, 64)).astype(np.uint8)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name, mask, colours in (
+        ("stripes", stripes(), [[0.6, 0.3, 0.1], [0.02, 0.02, 0.02]]),
+        ("spots", spots(16, 5), [[0.3, 0.6, 0.2], [0.05, 0.02, 0.3]]),
+    ):
+        grain = np.random.default_rng(0).normal(0, 0.01, (48, 64, 3))
+        write_image(f"{name}.png", np.clip(np.array(colours)[mask] + grain, 0, 1))
+        write_texton_mask(f"{name}_mask.png", mask)
+    return tmp_path
+
+
+def complain(capsys: pytest.CaptureFixture[str], *words: object) -> str:
+    assert main(["vary", *map(str, words)]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    return error
+
+
+def test_stripes_become_thinner_to_the_right(capsys: pytest.CaptureFixture[str]) -> None:
+    words = (
+        "warp stripes.png stripes_mask.png -o thin.png --grow=-3:1:horizontal --mask-output thin_mask.png --save v.npz"
+    )
+    assert main(["vary", *words.split()]) == 0
+    made, mask, varying = read_image("thin.png").pixels, read_texton_mask("thin_mask.png"), read_varying("v.npz")
+    dark = made.mean(axis=2) < 0.15
+    assert np.mean(dark == (mask > 0)) > 0.92
+    assert mask[:, :16].mean() > 0.4 > 0.25 > mask[:, 48:].mean() > 0
+    np.testing.assert_array_equal(varying.mask, mask)
+    np.testing.assert_allclose(varying.transition[0], np.linspace(0, 1, 64), atol=1e-6)
+    np.testing.assert_allclose(varying.texture, made, atol=0.01)
+    assert capsys.readouterr().out.splitlines()[0] == "thin.png: 64 x 48 pixels"
+
+
+def test_changes_follow_a_picture_one_after_the_other() -> None:
+    write_mask("half.png", np.broadcast_to(np.arange(48)[:, None] >= 24, (48, 64)))
+    words = ["warp", "spots.png", "spots_mask.png", "-o", "a.png", "--transition", "half.png", "--mask-output", "m.png"]
+    assert main(["vary", *words, "--grow=-2", "--grow=0.5:1"]) == 0
+    made, before = read_texton_mask("m.png"), spots(16, 5)
+    np.testing.assert_array_equal(made[:22], before[:22])
+    assert 0 < made[27:].mean() < 0.7 * before[27:].mean()
+    assert main(["vary", *words, "--scale", "1.4", "--turn", "30"]) == 0
+    assert read_texton_mask("m.png")[32:].mean() > 1.2 * before[32:].mean()
+
+
+def test_a_mesh_bends_the_mask() -> None:
+    mesh = np.zeros((2, 2, 3), np.float32)
+    mesh[..., 0] = 8
+    write_image("mesh.exr", mesh, colour_space="data")
+    write_mask("all.png", np.ones((4, 4)))
+    words = "warp stripes.png stripes_mask.png -o bent.png --displace mesh.exr --transition all.png --mask-output m.png"
+    assert main(["vary", *words.split()]) == 0
+    np.testing.assert_array_equal(read_texton_mask("m.png")[:, :56], stripes()[:, 8:])
+
+
+def test_more_than_the_exemplar_is_made() -> None:
+    words = "warp spots.png spots_mask.png -o more.png --size 100x60 --grow=-2 --mask-output m.png"
+    assert main(["vary", *words.split()]) == 0
+    mask = read_texton_mask("m.png")
+    assert read_image("more.png").pixels.shape == (60, 100, 3)
+    assert mask[:, :25].mean() > 1.4 * mask[:, 75:].mean() > 0
+
+
+def test_one_texture_becomes_another() -> None:
+    words = "blend stripes.png spots.png -o ab.png --masks stripes_mask.png spots_mask.png --size 96x48 --save ab.npz"
+    assert main(["vary", *words.split()]) == 0
+    made, varying = read_image("ab.png").pixels, read_varying("ab.npz")
+    assert made.shape == (48, 96, 3)
+    left, right = (made[:, part][varying.mask[:, part] == 0].mean(axis=0) for part in (np.s_[:8], np.s_[-8:]))
+    np.testing.assert_allclose(left, [0.6, 0.3, 0.1], atol=0.08)
+    np.testing.assert_allclose(right, [0.3, 0.6, 0.2], atol=0.08)
+    np.testing.assert_allclose(varying.transition[5], np.linspace(0, 1, 96), atol=1e-6)
+
+
+def test_weights_place_three_textures() -> None:
+    thirds = np.arange(64)[None].repeat(48, axis=0) * 3 // 64
+    for number in range(3):
+        write_mask(f"w{number}.png", thirds == number)
+    names = ["spots", "stripes", "spots"]
+    words = ["blend", *(f"{each}.png" for each in names), "-o", "abc.png", "--masks"]
+    words += [f"{each}_mask.png" for each in names] + ["--weights", "w0.png", "w1.png", "w2.png", "--save", "abc.npz"]
+    assert main(["vary", *words]) == 0
+    varying = read_varying("abc.npz")
+    np.testing.assert_allclose(varying.transition[0, [5, 32, 60]], [0, 0.5, 1], atol=1e-6)
+    np.testing.assert_array_equal(varying.mask[:, 24:40], stripes()[:, 24:40])
+
+
+WARP = ["warp", "stripes.png", "stripes_mask.png", "-o", "out.png"]
+BLEND = ["blend", "stripes.png", "spots.png", "-o", "out.png", "--masks", "stripes_mask.png", "spots_mask.png"]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (WARP, "--grow"),
+        ([*WARP, "--grow=-6:7"], "--grow"),
+        ([*WARP, "--grow=-6:1:sideways"], "--grow"),
+        ([*WARP, "--scale", "0"], "--scale"),
+        ([*WARP, "--grow=1", "--neighborhood", "8"], "--neighborhood"),
+        ([*WARP, "--grow=1", "--transition", "stripes.png"], "stripes.png: is no transition"),
+        ([*WARP, "--grow=1", "--transition", "absent.png"], "absent.png"),
+        ([*WARP, "--grow=1", "--mask-output", "stripes_mask.png"], "written over"),
+        ([*WARP, "--grow=1", "--size", "8x99"], "--size"),
+        ([*WARP, "--displace", "stripes_mask.png"], "one channel"),
+        (["warp", "stripes.png", "small_mask.png", "-o", "out.png", "--grow=1"], "small_mask.png: is 10 x 20"),
+        (["warp", "tiny.png", "tiny_mask.png", "-o", "out.png", "--grow=1"], "tiny.png: is 5 x 5"),
+        (["blend", "stripes.png", "-o", "out.png", "--masks", "stripes_mask.png"], "two or more"),
+        (BLEND[:-1], "--masks: 1 for 2"),
+        ([*BLEND[:-1], "small_mask.png"], "small_mask.png: is 10 x 20"),
+        ([*BLEND[:-1], "three_mask.png"], "three_mask.png: has types [0, 1, 2]"),
+        ([*BLEND, "--size", "8x8"], "--size"),
+        ([*BLEND, "--weights", "stripes_mask.png"], "--weights: 1 for 2"),
+        ([*BLEND, "--weights", "black.png", "black.png"], "all black"),
+        ([*BLEND, "--weights", "black.png", "black.png", "--transition", "black.png"], "--weights"),
+        ([*BLEND, "--transition", "black.png", "--keys", "keys.toml"], "--keys"),
+        ([*BLEND, "--keys", "keys.toml"], "no keys of transition"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_one_line(
+    words: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_mask("small_mask.png", np.eye(20)[:, :10])
+    write_image("tiny.png", np.full((5, 5, 3), 0.5))
+    write_mask("tiny_mask.png", np.eye(5))
+    write_mask("black.png", np.zeros((4, 4)))
+    write_texton_mask("three_mask.png", stripes() + spots(16, 3))
+    Path("keys.toml").write_text("[[scale]]\nat = [0.5, 0.5]\nvalue = 2\n")
+    assert told in complain(capsys, *words)
+    assert not Path("out.png").exists()
