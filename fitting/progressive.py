@@ -7,7 +7,7 @@ FOLDER holds photographs; coats of a leopard and a tiger are grown by `reaction_
 figure_5   a tiger's stripes made thinner to the right, along rows alone: exemplar, mask, mask warped, texture
 figure_6   a leopard's rosettes become spots: light areas shrink together, and then those between rosettes widen
 warping    elements scaled, turned and moved about their centres, and a mask bent by a mesh
-figure_7   blending: Wei's mixture, ours, and with masks averaged alike everywhere; below, several textures
+figure_7   blending: Wei's mixture, ours, with masks averaged alike everywhere, cross-faded; below, three textures
 figure_8   masks of figure 7: M0 and M1; the paper's M, that blurred, that thresholded; ours; averaged likewise
 OUT/blending.md tells what blends of figure 7 measure.
 """
@@ -23,7 +23,7 @@ os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 import jax
 import numpy as np
 import numpy.typing as npt
-from progressive_blending import blend_labels, edge_energy, measure_blend, mix_textures, turning_back
+from progressive_blending import blend_labels, kept_edges, measure_blend, mix_textures, turning_back
 from reaction_diffusion import grow_leopard, grow_tiger
 from tables import make_table
 
@@ -35,7 +35,7 @@ from jaxtex.synthesis.anisometric import sample_sources
 
 SIDE = 256  # pixels of an exemplar that are used
 BLEND_SIZE, BLEND_BORDER = (160, 448), 64  # rows and columns of a blend; columns at either end of one texture alone
-PAIRS = ("tiger", "leopard"), ("cheese_holes.png", "pebbles_coloured.jpg"), ("reptile_skin.png", "coffee_beans.jpg")
+PAIRS = ("tiger", "leopard"), ("pebbles_coloured.jpg", "coffee_beans.jpg"), ("reptile_skin.png", "cheese_holes.png")
 KEY = jax.random.key(0)
 
 Floats = npt.NDArray[np.floating]
@@ -125,34 +125,40 @@ def average_masks(laid: list[Labels], weights: Floats) -> Labels:
     return blend_labels(laid, np.where((weights == 0) | (weights == 1), weights, 1 / len(laid)))[2]
 
 
-def show_blend(exemplars: list[Floats], masks: list[Labels], wanted: Labels, weights: Floats) -> Floats:
-    shown = [filtered(exemplar, mask, wanted) for exemplar, mask in zip(exemplars, masks, strict=True)]
-    return np.einsum("nrc,nrck->rck", weights, np.stack(shown))
+def lay_layers(exemplars: list[Floats], masks: list[Labels], wanted: list[Labels]) -> Floats:
+    """Each texture, [texture, row, col, 3], filtered from its wanted mask."""
+    return np.stack([filtered(*each) for each in zip(exemplars, masks, wanted, strict=True)])
+
+
+def blend_colours(layers: Floats, weights: Floats) -> Floats:
+    return np.einsum("nrc,nrck->rck", weights, layers)
+
+
+WAYS: dict[str, Callable[[list[Labels], Floats], Labels]] = {
+    "ours": lambda masks, weights: jt.blend_masks(masks, weights),
+    "labels blended": lambda masks, weights: blend_labels(masks, weights)[2],
+    "masks averaged": average_masks,
+}
 
 
 @cache
 def blend_pair(folder: Path, names: tuple[str, str]) -> dict[str, Floats]:
-    """What each way of blending makes of two textures."""
+    """The layers that each way of blending masks makes of two textures, and those that are cross-faded."""
     exemplars, masks, laid, weights = lay_out(folder, names)
-    plain = [filtered(exemplar, mask, own) for exemplar, mask, own in zip(exemplars, masks, laid, strict=True)]
-    return {
-        "Wei's mixture": mix_textures(exemplars, weights),
-        "ours": show_blend(exemplars, masks, jt.blend_masks(laid, weights), weights),
-        "labels blended": show_blend(exemplars, masks, blend_labels(laid, weights)[2], weights),
-        "masks averaged": show_blend(exemplars, masks, average_masks(laid, weights), weights),
-        "cross-fade": np.einsum("nrc,nrck->rck", weights, np.stack(plain)),
-    }
+    made = {way: lay_layers(exemplars, masks, [blend(laid, weights)] * 2) for way, blend in WAYS.items()}
+    return made | {"cross-fade": lay_layers(exemplars, masks, laid)}
 
 
 def draw_figure_7(folder: Path) -> Floats:
     rows = []
     for pair in PAIRS:
+        exemplars, _, _, weights = lay_out(folder, pair)
         made = blend_pair(folder, pair)
-        rows += [made[way] for way in ("Wei's mixture", "ours", "masks averaged")]
-    three = "reptile_skin.png", "cheese_holes.png", "tiger"
-    exemplars, masks, laid, weights = lay_out(folder, three)
-    rows.append(show_blend(exemplars, masks, jt.blend_masks(laid, weights), weights))
-    return np.concatenate(rows)
+        rows.append(mix_textures(exemplars, weights))
+        rows += [blend_colours(made[way], weights) for way in ("ours", "masks averaged", "cross-fade")]
+    exemplars, masks, laid, weights = lay_out(folder, ("reptile_skin.png", "leopard", "tiger"))
+    layers = lay_layers(exemplars, masks, [jt.blend_masks(laid, weights)] * 3)
+    return np.concatenate([*rows, blend_colours(layers, weights)])
 
 
 def draw_figure_8(folder: Path) -> Floats:
@@ -166,28 +172,24 @@ def draw_figure_8(folder: Path) -> Floats:
 
 
 def tell_blending(folder: Path) -> str:
-    """Tables of what masks of blends are like from strip to strip, and of how strong edges are in their middle."""
+    """Tables of what masks of blends are like from strip to strip, and of what edges are left in their middle."""
     strips, edges = [], []
-    ways: dict[str, Callable[[list[Labels], Floats], Labels]] = {
-        "ours": lambda masks, weights: jt.blend_masks(masks, weights),
-        "labels blended": lambda masks, weights: blend_labels(masks, weights)[2],
-        "masks averaged": average_masks,
-    }
+    middle = slice(*(BLEND_SIZE[1] * np.array([2, 3]) // 5))
     for pair in PAIRS:
         _, _, laid, weights = lay_out(folder, pair)
-        for way, blend in ways.items():
+        for way, blend in WAYS.items():
             found = measure_blend(laid, weights, blend)
             cells = [f"{' '.join(f'{each:.3g}' for each in row)} ({turning_back(row):.0%})" for row in found]
             strips.append([" to ".join(pair), way, *cells])
         made = blend_pair(folder, pair)
-        ends = [edge_energy(made["ours"])[part].mean() for part in (slice(4, BLEND_BORDER), slice(-BLEND_BORDER, -4))]
-        middle = slice(*(BLEND_SIZE[1] * np.array([2, 3]) // 5))
-        told = [f"{edge_energy(each)[middle].mean() / np.mean(ends):.2f}" for each in made.values()]
-        edges.append([" to ".join(pair), *told])
-    header = "What elements are like in strips from left to right; in brackets, how much of the way is gone back."
-    below = "Squared gradients in the middle of the blend, beside the mean of both its ends."
+        edges.append([" to ".join(pair), *(f"{kept_edges(each, weights, middle):.2f}" for each in made.values())])
     heads = ["blend", "masks", "share covered", "elements in 100 x 100 pixels", "perimeter²/(4 pi area)"]
-    return f"{header}\n\n{make_table(heads, strips)}\n\n{below}\n\n{make_table(['blend', *made], edges)}\n"
+    return (
+        "What elements are like in strips from left to right; in brackets, how much of the way is gone back.\n\n"
+        f"{make_table(heads, strips)}\n\n"
+        "How much of the strength of edges is left in the middle of the blend.\n\n"
+        f"{make_table(['blend', *WAYS, 'cross-fade'], edges)}\n"
+    )
 
 
 FIGURES: dict[str, Callable[[Path], Floats]] = {

@@ -298,3 +298,13 @@ def test_labels_blended_change_where_weights_are_equal(script: ModuleType) -> No
     np.testing.assert_allclose(blended, far)
     assert np.abs(blurred - far).max() < 0.05
     np.testing.assert_array_equal(mask, far > 0.5)
+
+
+@pytest.mark.parametrize("script", ["progressive_blending"], indirect=True)
+def test_edges_that_lie_apart_are_left_at_half_their_strength(script: ModuleType) -> None:
+    one, other = np.zeros((2, 40, 120, 1))
+    one[:, 60:], other[10:] = 1, 1.7
+    halves, middle = np.full((2, 40, 120), 0.5), slice(20, 100)
+    assert script.kept_edges(np.stack([one, one]), halves, middle) == pytest.approx(1)
+    assert script.kept_edges(np.stack([one, other]), halves, middle) == pytest.approx(0.5, abs=0.03)
+    assert script.kept_edges(np.stack([one, 1 - one]), halves, middle) == pytest.approx(0, abs=1e-9)
