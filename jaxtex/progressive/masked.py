@@ -59,6 +59,7 @@ def synthesise_masked(
             four.
 
     Examples:
+        >>> import jax
         >>> grain = np.random.default_rng(0).random((40, 40, 3))
         >>> synthesise_masked(grain, grain[..., 0] > 0.5, (50, 75), key=jax.random.key(0)).shape
         (50, 75, 2)
@@ -121,7 +122,7 @@ def measure_depths(mask: npt.ArrayLike) -> Floats:
 
     Examples:
         >>> measure_depths([[0, 0, 0, 0, 1, 1, 1, 1]])[0, 3:6, 0].tolist()
-        [-0.2, 0.2, 0.6]
+        [-0.15625, 0.15625, 0.46875]
     """
     labels = np.asarray(mask)
     if labels.ndim != 2:
