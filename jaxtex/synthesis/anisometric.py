@@ -101,6 +101,7 @@ def synthesise_anisometric(
             smaller than a neighbourhood.
 
     Examples:
+        >>> import jax
         >>> grain = np.random.default_rng(0).random((40, 40, 3))
         >>> larger = synthesise_anisometric(grain, np.full((50, 75), 2.0), np.zeros((50, 75)), key=jax.random.key(0))
         >>> larger.shape
