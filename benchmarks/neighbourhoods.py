@@ -5,7 +5,6 @@ python benchmarks/neighbourhoods.py --only ashikhmin
 """
 
 import argparse
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -13,7 +12,7 @@ import jax
 import numba_ashikhmin as plain
 import numpy as np
 from pictures import brick_wall
-from timing import Result, Row, show, write_report
+from timing import Result, Row, clock, show, write_report
 
 from jaxtex.synthesis.ashikhmin import synthesise_ashikhmin
 from jaxtex.synthesis.nearest import find_similar
@@ -38,16 +37,6 @@ def main() -> None:
 
 def bricks(size: int) -> np.ndarray:
     return np.sqrt(brick_wall(2 * size)[:size, :size])
-
-
-def clock(work: Callable[[], Any], turns: int = 5) -> float:
-    """Seconds of the quickest turn, after one that compiles."""
-    times = []
-    for _ in range(turns + 1):
-        began = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - began)
-    return min(times[1:])
 
 
 def clock_in_turn(*works: Callable[[], Any], turns: int) -> list[float]:

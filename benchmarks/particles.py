@@ -7,14 +7,12 @@ python benchmarks/particles.py --only parts --most 1000
 import argparse
 import gzip
 import tempfile
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import jax
 import numpy as np
-from timing import Result, Row, seconds, show, write_report
+from timing import Result, Row, clock, seconds, show, write_report
 
 import jaxtex as jt
 from jaxtex.core.colour import srgb_to_linear
@@ -90,16 +88,6 @@ def seed(exemplar: Exemplar, side: int, *controls: jt.Control) -> jt.Composition
 def side_for(exemplar: Exemplar, count: int) -> int:
     """Pixels along a side of the plane that so many particles are on."""
     return round((count / sum(rule.density for rule in exemplar.arrangement.classes)) ** 0.5)
-
-
-def clock(work: Callable[[], Any], turns: int = 3) -> float:
-    """Seconds of the quickest turn, after one that compiles."""
-    times = []
-    for _ in range(turns + 1):
-        began = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - began)
-    return min(times[1:])
 
 
 def time_parts(exemplars: dict[str, Exemplar]) -> Result:

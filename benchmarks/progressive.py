@@ -6,16 +6,13 @@ python benchmarks/progressive.py --only loop
 """
 
 import argparse
-import time
-from collections.abc import Callable
-from typing import Any
 from unittest import mock
 
 import jax
 import numba_anisometric as plain
 import numpy as np
 from pictures import brick_wall
-from timing import Result, Row, show, write_report
+from timing import Result, Row, clock, show, write_report
 
 from jaxtex.synthesis.anisometric import synthesise_anisometric
 from jaxtex.synthesis.exemplars import analyse_levels
@@ -34,16 +31,6 @@ def main() -> None:
     show(results)
     if options.only is None:
         write_report("progressive", "Speed of texton mask filtering", results)
-
-
-def clock(work: Callable[[], Any], turns: int = 2) -> float:
-    """Seconds of the quickest turn, after one that compiles."""
-    times = []
-    for _ in range(turns + 1):
-        began = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - began)
-    return min(times[1:])
 
 
 def bricks(side: int) -> tuple[np.ndarray, np.ndarray]:

@@ -89,7 +89,7 @@ def compare_looks(lab: Map, patches: Labels, tree: Tree, thing: Values) -> Value
     (one, other), long = tree.sides[0].T, tree.sides[1]
     np.add.at(above, one, long * (alike[one] - alike[other]))
     np.add.at(above, other, long * (alike[other] - alike[one]))
-    whole = np.maximum(tree.sum_up(np.where(np.arange(len(areas)) > 0, areas, 0)), 1)
+    whole = np.maximum(tree.sum_up(areas), 1)
     return np.stack([tree.sum_up(alike * areas) / whole, tree.sum_up(above) / np.maximum(tree.border[:, 1], 1)], axis=1)
 
 

@@ -87,8 +87,8 @@ def measure_regions(tree: Tree, patches: Labels, edges: Map) -> tuple[Values, Va
         Areas in pixels; and how much of its convex hull a region fills, how strong the edge around it is, the strongest
         edge that parts it and the mean one in it; not a number where it is too large for a thing.
     """
-    areas = tree.sum_up(np.bincount(patches.ravel(), minlength=tree.patches + 1).astype(float) * _not_first(tree))
-    inside = tree.sum_up(np.bincount(patches.ravel(), edges.ravel(), tree.patches + 1) * _not_first(tree))
+    areas = tree.sum_up(np.bincount(patches.ravel(), minlength=tree.patches + 1).astype(float))
+    inside = tree.sum_up(np.bincount(patches.ravel(), edges.ravel(), tree.patches + 1).astype(float))
     hulls = _fill_hulls(tree, patches, areas)
     around = tree.border[:, 0] / np.maximum(tree.border[:, 1], 1)
     return areas, np.stack([areas / hulls, around, tree.strongest, inside / np.maximum(areas, 1)], axis=1)
@@ -116,10 +116,6 @@ def draw_regions(tree: Tree, chosen: npt.NDArray[np.intp], patches: Labels) -> L
         if numbers[node]:
             numbers[tree.parts[node]] = numbers[node]
     return numbers[patches]
-
-
-def _not_first(tree: Tree) -> Values:
-    return (np.arange(tree.patches + 1) > 0).astype(float)
 
 
 def _find_sides(patches: Labels, edges: Map) -> tuple[npt.NDArray[np.intp], Values, Values]:

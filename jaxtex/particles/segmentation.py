@@ -13,7 +13,6 @@ import numpy.typing as npt
 
 from jaxtex.core.errors import InputError
 from jaxtex.particles.ground import find_by_ground
-from jaxtex.particles.ground import split_touching as split_touching
 from jaxtex.particles.joints import find_by_joints, make_levels, rate_things
 from jaxtex.particles.kinds import class_things
 from jaxtex.particles.things import Decomposition, describe_particles

@@ -5,7 +5,8 @@ import pytest
 from scipy import ndimage
 
 from jaxtex.core.errors import InputError
-from jaxtex.particles.segmentation import find_particles, split_touching
+from jaxtex.particles.ground import split_touching
+from jaxtex.particles.segmentation import find_particles
 
 
 def draw_discs(places: list[tuple[int, int]], radius: float, shape: tuple[int, int]) -> np.ndarray:
