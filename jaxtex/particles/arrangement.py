@@ -13,6 +13,7 @@ from scipy.ndimage import distance_transform_cdt, find_objects
 from scipy.spatial import cKDTree
 
 from jaxtex.particles.boxes import form_of, gap_between, overlap_share
+from jaxtex.particles.companions import group_companions, measure_rooms
 from jaxtex.particles.cooccurrences import (
     Arrangement,
     Cooccurrence,
@@ -141,8 +142,9 @@ def _learn_class(decomposition: Decomposition, kinds: Sequence[int], kind: int) 
             neighbours = tuple(tuple(index.get(other, -1) for other, _ in pairs) for pairs in listed.values())
             owners = tuple(index[number] for number in listed)
             coherent = bool(np.mean(decomposition.labels > 0) >= _DENSE)
-            closeness = _measure_closeness(decomposition, seen)
-            return Listed(members, lists, owners, neighbours, coherent, *frames, *closeness, density)
+            closeness, rooms = _measure_closeness(decomposition, seen), measure_rooms(decomposition, kind, members)
+            groups = group_companions(decomposition, kind, members)
+            return Listed(members, lists, owners, neighbours, coherent, *frames, *closeness, rooms, groups, density)
     height, width = decomposition.labels.shape
     apart = [hypot(boxes[i].x - boxes[j].x, boxes[i].y - boxes[j].y) for i, j in combinations(numbers, 2)]
     # Of a ring and what is in its middle, no distance is known.
@@ -157,8 +159,8 @@ def _measure_density(decomposition: Decomposition, numbers: Sequence[int], membe
     return sum(areas) / float(np.mean(whole or areas or [1])) / decomposition.labels.size
 
 
-def _measure_closeness(decomposition: Decomposition, seen: dict[int, list[_Seen]]) -> tuple[float, float, float]:
-    """How close neighbours are as a rule: pixels between boxes, their overlap as a share, pixels between centres."""
+def _measure_closeness(decomposition: Decomposition, seen: dict[int, list[_Seen]]) -> tuple[float, float]:
+    """How close neighbours are as a rule: pixels between boxes, and their overlap as a share."""
     particles = decomposition.particles
     forms = {number: form_of(particles[number].box) for number in seen}
     closest = []
@@ -175,13 +177,11 @@ def _measure_closeness(decomposition: Decomposition, seen: dict[int, list[_Seen]
             if each.number in forms
         ]
         if ways:
-            gap, share = min(gap_between(*way) for way in ways), max(overlap_share(*way) for way in ways)
-            closest.append((gap, share, min(hypot(way[0], way[1]) for way in ways)))
+            closest.append((min(gap_between(*way) for way in ways), max(overlap_share(*way) for way in ways)))
     if not closest:
-        return 0.0, 0.0, 0.0
-    gaps, shares, distances = np.transpose(closest)
-    clearance, apart = (float(np.quantile(each, _CLOSEST)) for each in (gaps, distances))
-    return max(0.0, clearance), max(0.0, float(np.median(shares))), apart
+        return 0.0, 0.0
+    gaps, shares = np.transpose(closest)
+    return max(0.0, float(np.quantile(gaps, _CLOSEST))), max(0.0, float(np.median(shares)))
 
 
 def _find_neighbours(

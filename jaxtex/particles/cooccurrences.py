@@ -10,6 +10,7 @@ from statistics import median
 from typing import NamedTuple
 
 from jaxtex.particles.boxes import Form, form_of, reach_along
+from jaxtex.particles.companions import Companion
 from jaxtex.particles.things import Box
 
 _SIGNS = ((1, 1), (-1, 1), (-1, -1), (1, -1))
@@ -45,7 +46,8 @@ class Listed(NamedTuple):
         angle: by which all frames are turned otherwise, radians.
         clearance: pixels between the boxes of neighbours, of most at least; 0 where boxes overlap.
         overlap: by how much they do, as a share (see `overlap_share`): the median over all particles.
-        apart: pixels between centres of neighbours, of most at least.
+        rooms: how far each member's centre is from the nearest one's, in pixels.
+        groups: of members, each with what is nearest to it (see `group_companions`).
         density: particles per pixel.
     """
 
@@ -58,7 +60,8 @@ class Listed(NamedTuple):
     angle: float
     clearance: float
     overlap: float
-    apart: float
+    rooms: tuple[float, ...]
+    groups: tuple[tuple[Companion, ...], ...]
     density: float
 
 

@@ -5,7 +5,8 @@ nearest particle, and those to all that are near, which count less the further a
 particles that are about as near count about the same, as in lattices, which of several is the nearest means nothing.
 
 They are compared by sliced Wasserstein distances (J. Rabin, G. Peyré, J. Delon and M. Bernot, "Wasserstein barycenter
-and its application to texture mixing", 2011), of projections along axes and of lengths. Departure: differences are
+and its application to texture mixing", 2011), of projections along axes, of directions (modulo pi, as unit vectors of
+twice the angle) along the same axes, and of lengths. Departure: differences are
 limited (R. E. Welsch), as what is far off is of another place of a lattice, and no step there is a small one.
 """
 
@@ -17,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
-from jaxtex.particles.patterns import Pattern, find_neighbours
+from jaxtex.particles.patterns import Pattern, find_nearest
 
 Floats = npt.NDArray[np.floating]
 
@@ -28,6 +29,8 @@ _BEYOND = 1.2  # times their mean distance: from where nothing counts
 _SOFT = 0.05  # of the mean distance to the nearest one: by how much further away another one is that counts 1/e
 _TOLERANCE = 0.35  # of that distance: differences beyond have little weight
 _LENGTHS = 0.5  # how much lengths count beside all projections together
+_DIRECTIONS = 2.0  # how much directions do, all projections together
+_ARM = 0.5  # of the mean distance to the nearest one: how far apart opposite directions count as
 _QUANTILES = 256
 _LEAST_KNOWN = 4  # particles of which it is known what is nearest; fewer tell nothing
 
@@ -78,7 +81,7 @@ class Goal(NamedTuple):
 
     Attributes:
         axes: unit vectors, [axis, (x, y)].
-        nearest, near: quantiles of ways along each axis, and of lengths, [set, axis + 1, quantile].
+        nearest, near: quantiles of ways along each axis, and of lengths, [set, 2 axes + 1, quantile].
         strengths: how much each of them counts, [set, 2].
         scales: of the sets.
     """
@@ -101,7 +104,7 @@ def list_candidates(pattern: Pattern, kinds: int, room: int) -> Candidates:
     columns: list[tuple[npt.NDArray, ...]] = []
     for kind in range(kinds):
         for other in range(kinds):
-            found = find_neighbours(pattern, kind, other, _CANDIDATES)
+            found = find_nearest(pattern, kind, other, _CANDIDATES)
             plain = pattern.points[found.which] - pattern.points[found.around][:, None]
             there = found.which != found.around[:, None]
             columns.append(
@@ -130,7 +133,7 @@ def measure_scales(pattern: Pattern, kinds: int) -> Scales:
     scales = []
     for kind in range(kinds):
         for other in range(kinds):
-            found = find_neighbours(pattern, kind, other, _REACHED)
+            found = find_nearest(pattern, kind, other, _REACHED)
             there = found.which != found.around[:, None]
             distances = np.hypot(found.ways[..., 0], found.ways[..., 1])
             last = int(there.sum(axis=1).min(initial=_REACHED)) - 1
@@ -157,9 +160,10 @@ def make_goal(points: Array, candidates: Candidates, scales: Scales, axes: Float
     """
     tables, strengths = [], []
     for ways in _find_ways(points, candidates, scales):
-        vectors, lengths, weights = (np.asarray(each, float) for each in ways)
+        along, weights = (
+            np.asarray(each, float) for each in (_project(ways, as_device(axes), scales.unit), ways.weights)
+        )
         enough = (weights > 0).sum(axis=1) >= _LEAST_KNOWN
-        along = np.concatenate([np.einsum("snc,dc->sdn", vectors, axes), lengths[:, None]], axis=1)
         tables.append(np.stack([_quantiles(*each) for each in zip(along, weights, strict=True)]))
         strengths.append(enough * counts)
     nearest, near = (as_device(each) for each in tables)
@@ -226,6 +230,14 @@ def _weigh(here: Array, vectors: Array, lengths: Array, candidates: Candidates, 
     return nearest, kernel * jnp.where(bounded, inside / both, 1.0)
 
 
+def _project(ways: Ways, axes: Array, unit: Array) -> Array:
+    """What is compared: ways along axes, their directions modulo pi likewise, and lengths, [set, 2 axes + 1, way]."""
+    x, y = ways.vectors[..., 0] / ways.lengths, ways.vectors[..., 1] / ways.lengths
+    doubled = jnp.stack([x * x - y * y, 2 * x * y], axis=-1) * (_ARM * unit[:, None, None])
+    along = [jnp.einsum("snc,dc->sdn", each, axes) for each in (ways.vectors, doubled)]
+    return jnp.concatenate([*along, ways.lengths[:, None]], axis=1)
+
+
 def _quantiles(along: Floats, weights: Floats) -> Floats:
     """Evenly spaced quantiles of weighted values [axis, way] along each axis; 0 where nothing has weight."""
     counted = weights > 0
@@ -241,7 +253,7 @@ def _quantiles(along: Floats, weights: Floats) -> Floats:
 
 def _miss_table(ways: Ways, axes: Array, table: Array, strengths: Array, tolerance: Array) -> Array:
     """Each way's difference to the quantile of its rank, squared and limited."""
-    along = jnp.concatenate([jnp.einsum("snc,dc->sdn", ways.vectors, axes), ways.lengths[:, None]], axis=1)
+    along = _project(ways, axes, tolerance / _TOLERANCE)
     weights = jnp.broadcast_to(ways.weights[:, None], along.shape)
     order = jnp.argsort(jax.lax.stop_gradient(jnp.where(weights > 0, along, jnp.inf)), axis=-1)
     ranked = jnp.take_along_axis(weights, order, axis=-1)
@@ -255,5 +267,5 @@ def _miss_table(ways: Ways, axes: Array, table: Array, strengths: Array, toleran
     off = jnp.where(ranked > 0, jnp.take_along_axis(along, order, axis=-1) - wanted, 0.0)
     limit = tolerance[:, None, None]
     limited = -jnp.square(limit) * jnp.expm1(-jnp.square(off / limit))
-    counts = jnp.append(jnp.full(axes.shape[0], 1.0 / axes.shape[0]), _LENGTHS).astype(off.dtype)
+    counts = jnp.array([*[1.0 / len(axes)] * len(axes), *[_DIRECTIONS / len(axes)] * len(axes), _LENGTHS], off.dtype)
     return 0.5 * (strengths[:, None, None] * counts[None, :, None] * share * limited).sum()

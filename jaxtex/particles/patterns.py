@@ -104,7 +104,7 @@ def pattern_of_composition(composition: Composition) -> Pattern:
     )
 
 
-def find_neighbours(pattern: Pattern, kind: int, other: int, count: int) -> Neighbours:
+def find_nearest(pattern: Pattern, kind: int, other: int, count: int) -> Neighbours:
     """The nearest points of one class to each known point of another one, or of the same.
 
     Args:
@@ -117,7 +117,7 @@ def find_neighbours(pattern: Pattern, kind: int, other: int, count: int) -> Neig
         >>> three = np.array([[10.0, 10.0], [14.0, 10.0], [97.0, 10.0]])
         >>> here = np.ones(3, bool)
         >>> leaves = Pattern(three, np.zeros(3, int), here, (0.0, 0.0), (100.0, 50.0), (100.0, 50.0))
-        >>> find_neighbours(leaves, 0, 0, 1).ways[:, 0].tolist()
+        >>> find_nearest(leaves, 0, 0, 1).ways[:, 0].tolist()
         [[4.0, 0.0], [-4.0, 0.0], [13.0, 0.0]]
     """
     points, low, high = pattern.points, np.array(pattern.low), np.array(pattern.high)

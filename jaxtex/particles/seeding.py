@@ -13,12 +13,14 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
-from jaxtex.particles.boxes import form_of
+from jaxtex.particles.boxes import Form, form_of
+from jaxtex.particles.companions import Companion
 from jaxtex.particles.composition import Composition, identify_exemplar
 from jaxtex.particles.controls import Control, combine_controls, controls_of
 from jaxtex.particles.cooccurrences import Arrangement, Listed, Scattered, usual_distance
 from jaxtex.particles.plane import Grid, Plane
-from jaxtex.particles.sowing import EvenGround, Placed, Sowing, UnevenGround, count_inside, sow_class
+from jaxtex.particles.sowing import Sowing, count_inside, sow_class, sow_groups
+from jaxtex.particles.stock import EvenStock, Placed, Stock, UnevenStock
 from jaxtex.particles.terrain import Terrain
 from jaxtex.particles.things import Decomposition
 
@@ -27,14 +29,16 @@ MOST_OVERLAP = 0.12
 overlap at most (see `overlap_share`), beyond how much they do in the picture. Section 2.2 says: not too much."""
 
 LEAST_DISTANCE = 0.85
-"""Of how far neighbours are from each other as a rule, centre to centre: how close they may come."""
+"""Of how far a particle is from the nearest one in the picture, centre to centre: how close others may come."""
 
 _LEAST_ROOM = 0.25
-"""Of the side of the square that each particle has on average: how close none comes to another. Things strewn at random
-keep no distance at all, and would find room without end."""
+"""Of the side of the square that each particle has on average: how close none comes to another by lists. Things strewn
+at random keep no distance at all, and would find room without end."""
 
 _MOST = 1 << 20  # particles of a class
-_SURPLUS = 1.15  # times the picture's density: where more have found room, some are taken away
+_SURPLUS = 1.15  # times the picture's density: where more find room, lists do not tell how the class is arranged
+_CLOSENESS = (1.0, 0.9, 0.8, 0.6, 0.4)  # of the room that particles have in the picture: what groups keep, if they can
+_NEARLY = 0.98  # of the picture's density: enough groups
 
 
 def seed_composition(
@@ -60,9 +64,11 @@ def seed_composition(
 
     Departures from section 2.2: where things nearly touch, each comes with its own list and with those that were
     around it, as which of them fit together is no matter of chance then; so mosaics hold. Boxes count with the
-    clearance that they have in the picture, and centres keep a distance too, so that small things far apart are not
-    crowded. All particles get another turn where there are still fewer per pixel than in the picture. Where there are
-    clearly more, boxes that overlap in the picture keep more apart, and then some particles are taken away at random.
+    clearance that they have in the picture, and each keeps about the distance from others that it has there, so that
+    loners stay alone. All particles get another turn where there are still fewer per pixel than in the picture. Where
+    clearly more would find room, as in what is strewn at random or in clusters, lists do not say where nothing is; then
+    particles come in groups, each with what is nearest to it in the picture, strewn with the distance that they have
+    there, those with most room first.
 
     Args:
         decomposition: the picture taken apart.
@@ -122,38 +128,54 @@ def _sow_kind(
     if not rule.members:
         return []
     forms = tuple(form_of(decomposition.particles[member].box) for member in rule.members)
-    if isinstance(rule, Listed):
-        room = _LEAST_ROOM * rule.density**-0.5
-        apart, clearance, overlap = max(LEAST_DISTANCE * rule.apart, room), rule.clearance, rule.overlap
-    else:
-        apart, clearance, overlap = min(rule.distances), 0.0, 0.0
     terrain = Terrain(plane, controls, rule.members, usual_distance(rule, forms)) if controls else None
-    largest, furthest, abundance = (
-        (terrain.largest, terrain.furthest, terrain.abundance) if terrain else (1.0, 0.0, 1.0)
-    )
-    widest = (
-        2.0 * largest * max(hypot(form.across, form.down) for form in (form.grown(0.5 * clearance) for form in forms))
-    )
+    clearance = rule.clearance if isinstance(rule, Listed) else 0.0
+    widest = _measure_widest(plane, forms, clearance, terrain)
+    enough = rule.density * (terrain.abundance if terrain else 1.0) * plane.width * plane.height
+    if enough > _MOST:
+        raise ValueError(f"{enough:.0f} particles of a class are asked for, {_MOST} are the most; give a lower density")
+
+    def prepare(rooms: Sequence[float], overlap: float) -> Sowing:
+        stock: Stock
+        if terrain is None:
+            reach, stock = max(widest, *rooms), EvenStock(plane, forms, clearance, rooms, rng)
+        else:
+            reach = max(widest, terrain.largest * max(rooms), terrain.furthest)
+            stock = UnevenStock(plane, forms, clearance, rooms, rng, terrain)
+        return Sowing(plane, Grid(plane, reach), stock, MOST_OVERLAP + overlap, rng)
+
+    if isinstance(rule, Listed):
+        rooms, groups, overlap = rule.rooms, rule.groups, rule.overlap
+        least = _LEAST_ROOM * rule.density**-0.5
+        sowing = prepare([max(LEAST_DISTANCE * room, least) for room in rooms], overlap)
+    else:
+        rooms, overlap = (min(rule.distances),) * len(forms), 0.0
+        groups = tuple((Companion(which, 0.0, 0.0),) for which in range(len(forms)))
+        sowing = prepare(rooms, overlap)
+    found = sow_class(sowing, rule, forms, germ, enough, _SURPLUS * enough)
+    if count_inside(plane, found) <= _SURPLUS * enough:
+        return found
+    # Where there is room for more, what lists say of each neighbour does not tell where there is none.
+    margin = 0.0 if plane.periodic else 0.5 * widest
+    count = round(enough * (1 + 2 * margin / plane.width) * (1 + 2 * margin / plane.height))
+    ranked = sorted(groups, key=lambda group: -max(rooms[each.which] for each in group))
+    for closeness in _CLOSENESS:
+        found = sow_groups(prepare([closeness * room for room in rooms], overlap), ranked, germ, count, margin)
+        if count_inside(plane, found) >= _NEARLY * enough:
+            break
+    return found
+
+
+def _measure_widest(plane: Plane, forms: Sequence[Form], clearance: float, terrain: Terrain | None) -> float:
+    """The widest of the footprints, in pixels."""
+    grown = (form.grown(0.5 * clearance) for form in forms)
+    widest = 2.0 * (terrain.largest if terrain else 1.0) * max(hypot(form.across, form.down) for form in grown)
     if plane.periodic and widest > min(plane.width, plane.height):
         raise ValueError(
             f"size {plane.width} x {plane.height}: too small to repeat, as a particle and what it keeps free "
             f"take {widest:.0f} pixels; give a larger one"
         )
-    enough = rule.density * abundance * plane.width * plane.height
-    if enough > _MOST:
-        raise ValueError(f"{enough:.0f} particles of a class are asked for, {_MOST} are the most; give a lower density")
-    # Things that interlock in the picture do not elsewhere: where too many find room, their boxes keep more apart.
-    for allowed in (overlap, 0.5 * overlap, 0.0) if overlap > 0 else (0.0,):
-        grid: Grid[Placed] = Grid(plane, max(widest, largest * apart, furthest))
-        common = plane, forms, clearance, apart, rng
-        ground = EvenGround(*common) if terrain is None else UnevenGround(*common, terrain)
-        found = sow_class(Sowing(plane, grid, ground, MOST_OVERLAP + allowed, rng), rule, forms, germ, enough)
-        there = count_inside(plane, found)
-        if there <= _SURPLUS * enough:
-            return found
-    # Particles that keep little distance find much room between others.
-    kept = rng.sample(range(len(found)), max(1, round(len(found) * enough / there)))
-    return [found[index] for index in sorted(kept)]
+    return widest
 
 
 def _shape(

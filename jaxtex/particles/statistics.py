@@ -9,7 +9,7 @@ from scipy.stats import wasserstein_distance
 from jaxtex.particles.boxes import form_of, reach_along
 from jaxtex.particles.composition import Composition, check_exemplar
 from jaxtex.particles.painting import label_composition
-from jaxtex.particles.patterns import Pattern, find_neighbours, pattern_of_composition, pattern_of_picture
+from jaxtex.particles.patterns import Pattern, find_nearest, pattern_of_composition, pattern_of_picture
 from jaxtex.particles.things import Decomposition
 
 Floats = npt.NDArray[np.floating]
@@ -165,7 +165,7 @@ def circular_wasserstein(one: Sample, other: Sample, period: float) -> float:
 def _measure_class(
     pattern: Pattern, kind: int, sizes: Floats, weights: Floats, kinds: npt.NDArray[np.integer]
 ) -> ClassStatistics:
-    found, members = find_neighbours(pattern, kind, kind, 1), pattern.kinds == kind
+    found, members = find_nearest(pattern, kind, kind, 1), pattern.kinds == kind
     x, y, counted = found.ways[:, 0, 0], found.ways[:, 0, 1], found.weights[:, 0]
     return ClassStatistics(
         Sample(np.hypot(x, y), counted),

@@ -52,6 +52,7 @@ class Terrain:
 
     Attributes:
         largest: factor on footprints.
+        densest: the least factor on distances.
         furthest: pixels that centres keep.
         abundance: particles per area, as a factor: the mean over the plane.
         chances: how likely each member is chosen where `regions` of a `Local` are, those before it added.
@@ -81,6 +82,7 @@ class Terrain:
         samples = np.stack([*(getattr(effects, name) for name in Local._fields[:-1]), *regions], axis=-1)
         self._samples = samples.reshape(self._rows, self._columns, -1)
         self.largest = float((effects.spacing * (1 + effects.size_variation)).max())
+        self.densest = float(effects.spacing.min())
         self.furthest = float(effects.least_distance.max())
         self.abundance = float(np.mean(effects.spacing**-2))
         self.chances = lru_cache(_REMEMBERED)(self._add_up)

@@ -104,7 +104,7 @@ def test_neighbours_are_of_the_same_class() -> None:
         assert isinstance(rule, Listed)
         nearest = {entry for entries in rule.lists for entry in entries}
         assert {abs(entry.dx) for entry in nearest} <= {6.0, 18.0, 1.0}
-        assert rule.apart == pytest.approx(12 * 2**0.5)
+        assert rule.rooms == pytest.approx([12 * 2**0.5] * len(rule.members))
         assert rule.density == pytest.approx(32 / 96**2)
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linear_sum_assignment
 
 from jaxtex.particles.arrangement import learn_arrangement
-from jaxtex.particles.patterns import Pattern, find_neighbours, pattern_of_picture
+from jaxtex.particles.patterns import Pattern, find_nearest, pattern_of_picture
 from jaxtex.particles.seeding import seed_composition
 from jaxtex.particles.statistics import (
     Sample,
@@ -42,7 +42,7 @@ def test_neighbours_are_those_of_a_plain_search(seed: int, periodic: bool, count
         points, kinds, np.ones(23, bool), (0.0, 0.0), (100.0, 100.0), (100.0, 100.0) if periodic else None
     )
     for kind, other in ((0, 0), (0, 1)):
-        found = find_neighbours(pattern, kind, other, count)
+        found = find_nearest(pattern, kind, other, count)
         for row, point in enumerate(found.around):
             ways = points - points[point]
             ways = (ways + 50) % 100 - 50 if periodic else ways
@@ -64,7 +64,7 @@ def test_the_border_shortens_no_distances() -> None:
     for seed in range(300):
         points = np.random.default_rng(seed).uniform(0, 100, (40, 2))
         pattern = Pattern(points, np.zeros(40, int), np.ones(40, bool), (0.0, 0.0), (100.0, 100.0), None)
-        neighbours = find_neighbours(pattern, 0, 0, 1)
+        neighbours = find_nearest(pattern, 0, 0, 1)
         found.append(np.stack([np.hypot(*neighbours.ways[:, 0].T), neighbours.weights[:, 0]]))
     distances, weights = np.concatenate(found, axis=1)
     assert np.average(distances, weights=weights) == pytest.approx(0.5 * (10000 / 40) ** 0.5, rel=0.02)
