@@ -2,9 +2,10 @@
 
     python fitting/particles.py FOLDER -o OUT
 
-FOLDER holds pictures. OUT/particles.png has a row for each, and for scikit-image's coins and gravel and a checkerboard
-(figure 13): the picture, its things outlined, 512 x 512 pixels of a new arrangement, tileable, the same relaxed, and
-lapped textures for comparison. OUT/particles.md says how many things were found, of how many classes with how many
+FOLDER holds pictures: those that `particle_statistics.py` names as made of things, or else any. OUT/particles.png has
+a row for each, and for scikit-image's coins and gravel and a checkerboard (figure 13): the picture, its things
+outlined, 512 x 512 pixels of a new arrangement, tileable, the same relaxed, and lapped textures for comparison.
+OUT/particles.md says how many things were found, of how many classes with how many
 lists of neighbours, and beside those of pictures that were counted by hand (fitting/particle_counts.csv, upper left
 part of each), how many there are.
 """
@@ -21,6 +22,7 @@ import jax
 import numpy as np
 from skimage import data
 from skimage.segmentation import find_boundaries
+from particle_statistics import MARKED
 from tables import make_table
 
 import jaxtex as jt
@@ -67,7 +69,8 @@ def draw_checkerboard() -> np.ndarray:
 
 def list_pictures(folder: Path, only: Sequence[str] | None) -> dict[str, np.ndarray]:
     """Linear pictures by their names: those of the folder, two that scikit-image brings, and a checkerboard."""
-    names = only or sorted(path.name for path in folder.iterdir() if path.suffix in (".png", ".jpg"))
+    there = sorted(path.name for path in folder.iterdir() if path.suffix in (".png", ".jpg"))
+    names = only or [name for name in there if name in MARKED] or there
     pictures = {name: jt.read_image(folder / name).pixels for name in names}
     if only is None:
         brought = {"coins": data.coins(), "gravel": data.gravel()}
@@ -101,7 +104,7 @@ def main(words: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="pictures made of things")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="folder for what is made")
-    parser.add_argument("--only", nargs="+", metavar="NAME", help="of these pictures alone; all by default")
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="of these pictures alone")
     options = parser.parse_args(words)
     prepare_folder(options.output)
     rows, lines = [], []
