@@ -20,9 +20,9 @@ os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 
 import jax
 import numpy as np
+from particle_statistics import MARKED
 from skimage import data
 from skimage.segmentation import find_boundaries
-from particle_statistics import MARKED
 from tables import make_table
 
 import jaxtex as jt
