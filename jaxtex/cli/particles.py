@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from jaxtex.particles.things import Decomposition
 
 _SHEET = "sheet.png"
+_DOUBTFUL = 0.13  # of what `rate_particles` gives
 _WRITTEN = ("labels.png", "particles.json", _SHEET)
 
 MaybePath = Annotated[Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="")]
@@ -82,7 +83,16 @@ class Analyse:
         found, names = self._take_apart(image)
         found, names = self._leave_out(found, names)
         write_particles(prepare_folder(self.output), image, found, names=names)
-        return _show(read_particles(self.output), self.output / _SHEET)
+        status = _show(read_particles(self.output), self.output / _SHEET)
+        if self.colours or self.labels is not None or self.polygons is not None:
+            return status
+        from jaxtex.particles.segmentation import rate_particles
+
+        if rate_particles(image.pixels, found) < _DOUBTFUL:
+            print(
+                f"These hardly look like things: see {self.output / _SHEET}, and say what is by --colours or --labels."
+            )
+        return status
 
     def _check(self) -> None:
         if self.classes is not None and self.classes < 1:

@@ -50,3 +50,22 @@ def find_particles(pixels: npt.ArrayLike, *, kinds: int | None = None) -> Decomp
     if labels.max() == 0:
         raise InputError("picture: nothing stands out of a ground; paint the things as a label image")
     return describe_particles(labels, class_things(lab, labels, kinds))
+
+
+def rate_particles(pixels: npt.ArrayLike, decomposition: Decomposition) -> float:
+    """How much particles look like things by their shapes and edges: mean expected overlap, over what they cover.
+
+    Of pebbles, coins or scales it is 0.16 to 0.55; of grass, bark or sky, in which there are none, 0 to 0.11.
+
+    Args:
+        pixels: the picture, as in `find_particles`.
+        decomposition: what it was taken apart into.
+
+    Examples:
+        >>> row, column = np.indices((96, 96)) % 24 - 12
+        >>> spots = np.where(np.hypot(row, column) < 7, 0.1, 0.6)
+        >>> rate_particles(spots, find_particles(spots)) > 0.3
+        True
+    """
+    levels = make_levels(to_lab(check_picture(pixels)))
+    return rate_things(decomposition.labels, levels) / float(np.mean(decomposition.labels > 0))

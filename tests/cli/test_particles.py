@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from skimage import data
 
 from jaxtex.cli.particles import Analyse, Show
 from jaxtex.cli.particles_synth import Synth
@@ -238,3 +239,11 @@ def test_one_thing_alone(tmp_path: Path) -> None:
     assert run(Synth, tmp_path / "one", "-o", tmp_path / "more.png", "--size", "200x200") == 0
     drawn = read_image(tmp_path / "more.png").pixels
     assert 0.02 < np.mean(drawn[..., 0] > 2.5 * drawn[..., 1]) < 0.2
+
+
+def test_what_hardly_looks_like_things_is_told(tmp_path: Path, spots: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_image(tmp_path / "grass.png", data.grass()[:160, :160, None] / 255)
+    assert run(Analyse, tmp_path / "grass.png", "-o", tmp_path / "grass") == 0
+    assert "hardly look like things" in capsys.readouterr().out
+    assert run(Analyse, spots, "-o", tmp_path / "spots") == 0
+    assert "hardly look like things" not in capsys.readouterr().out
