@@ -4,6 +4,7 @@ Which pixels are elements is learnt from an exemplar's mask by colour alone, and
 made of it in the same way; so neither gains by knowing where its pixels come from.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from skimage.measure import regionprops
 from skimage.morphology import remove_small_objects
 from skimage.segmentation import clear_border
 
-from jaxtex.particles.segmentation import split_touching
+from jaxtex.particles.ground import split_touching
 from jaxtex.photo.pictures import to_lab
 
 _BLURS = 1.0, 3.0  # pixels, at which colours are looked at
@@ -85,6 +86,11 @@ def find_elements(picture: Floats, classes: Classes, scale: Floats | None = None
     ]
     areas, compactness = np.array([each for each in told if each[0] > speck], float).reshape(-1, 2).T
     return Elements(areas, compactness, mask)
+
+
+def join_elements(pictures: Sequence[Elements]) -> Elements:
+    """Elements of some pictures; their masks lie side by side."""
+    return Elements(*(np.concatenate(each, axis=-1) for each in zip(*pictures, strict=True)))
 
 
 def measure_apart(one: Elements, other: Elements) -> tuple[float, float]:
