@@ -1,7 +1,9 @@
 """How large and how compact the elements of a picture are, and how far two pictures are apart in that.
 
 Which pixels are elements is learnt from an exemplar's mask by colour alone, and asked of the exemplar and of what is
-made of it in the same way; so neither gains by knowing where its pixels come from.
+made of it in the same way; so neither gains by knowing where its pixels come from. Whether colours are taken as they
+are, less those around (coins lie on ground that is as bright elsewhere), or both, is what tells the elements of either
+half of the exemplar best by what was learnt from the other: nothing that is made of it has a say.
 """
 
 from collections.abc import Sequence
@@ -20,6 +22,8 @@ from jaxtex.particles.ground import split_touching
 from jaxtex.photo.pictures import to_lab
 
 _BLURS = 1.0, 3.0  # pixels, at which colours are looked at
+_AROUND = 16.0  # pixels: standard deviation of what colours around are the mean of
+_VIEWS = (True, False), (False, True), (True, True)  # colours as they are, and less those around
 _COLOURS = 48  # classes of them
 _SAMPLE = 20_000  # pixels that these are learnt from
 _SPECK = 0.03  # of the exemplar's median element: less is noise of the classes
@@ -29,11 +33,13 @@ Floats = npt.NDArray[np.floating]
 
 class Classes(NamedTuple):
     """Attributes:
+    view: whether colours are looked at as they are, and less those around.
     centres: colours, [class, feature].
     element: whether most of a class is of elements, [class].
     speck: the smallest area that is told as an element, in pixels.
     """
 
+    view: tuple[bool, bool]
     centres: Floats
     element: npt.NDArray[np.bool_]
     speck: float
@@ -58,14 +64,17 @@ def learn_classes(picture: Floats, mask: npt.NDArray[np.bool_]) -> Classes:
         picture: linear light [row, col, channel].
         mask: of its elements, [row, col].
     """
-    values = _features(picture)
-    rng = np.random.default_rng(0)
-    sample = rng.permutation(mask.size)[:_SAMPLE]
-    centres = kmeans2(values.reshape(-1, values.shape[2])[sample], _COLOURS, minit="++", seed=0, iter=30)[0]
-    nearest = _nearest(values, centres)
-    share = ndimage.mean(mask, nearest, np.arange(_COLOURS))
-    areas = np.bincount(split_touching(mask).ravel())[1:]
-    return Classes(centres, np.nan_to_num(share) > 0.5, _SPECK * float(np.median(areas)))
+    half = mask.shape[1] // 2
+    halves = [(picture[:, part], mask[:, part]) for part in (slice(half), slice(half, None))]
+
+    def rate(view: tuple[bool, bool]) -> float:
+        rates = []
+        for one, other in (halves, halves[::-1]):
+            told, true = _tell_elements(other[0], _learn_view(*one, view)), other[1]
+            rates.append((told & true).sum() / max(1, (told | true).sum()))
+        return float(np.mean(rates))
+
+    return _learn_view(picture, mask, max(_VIEWS, key=rate))
 
 
 def find_elements(picture: Floats, classes: Classes, scale: Floats | None = None) -> Elements:
@@ -76,9 +85,7 @@ def find_elements(picture: Floats, classes: Classes, scale: Floats | None = None
         classes: of its exemplar.
         scale: how many times as large as there things are, [row, col]; areas are as they would be there.
     """
-    mask = ndimage.median_filter(classes.element[_nearest(_features(picture), classes.centres)], 3)
-    speck = max(1, int(classes.speck))
-    mask = remove_small_objects(~remove_small_objects(~mask, max_size=speck), max_size=speck)
+    mask, speck = _tell_elements(picture, classes), max(1, int(classes.speck))
     whole = regionprops(clear_border(split_touching(mask)))
     times = [1.0 if scale is None else float(scale[tuple(each.coords.T)].mean()) for each in whole]
     told = [
@@ -101,9 +108,31 @@ def measure_apart(one: Elements, other: Elements) -> tuple[float, float]:
     return float(areas), float(wasserstein_distance(np.log2(one.compactness), np.log2(other.compactness)))
 
 
-def _features(picture: Floats) -> Floats:
+def _learn_view(picture: Floats, mask: npt.NDArray[np.bool_], view: tuple[bool, bool]) -> Classes:
+    values = _features(picture, view)
+    rng = np.random.default_rng(0)
+    sample = rng.permutation(mask.size)[:_SAMPLE]
+    centres = kmeans2(values.reshape(-1, values.shape[2])[sample], _COLOURS, minit="++", seed=0, iter=30)[0]
+    share = ndimage.mean(mask, _nearest(values, centres), np.arange(_COLOURS))
+    areas = np.bincount(split_touching(mask).ravel())[1:]
+    return Classes(view, centres, np.nan_to_num(share) > 0.5, _SPECK * float(np.median(areas)))
+
+
+def _tell_elements(picture: Floats, classes: Classes) -> npt.NDArray[np.bool_]:
+    mask = ndimage.median_filter(classes.element[_nearest(_features(picture, classes.view), classes.centres)], 3)
+    speck = max(1, int(classes.speck))
+    return remove_small_objects(~remove_small_objects(~mask, max_size=speck), max_size=speck)
+
+
+def _features(picture: Floats, view: tuple[bool, bool]) -> Floats:
     lab = to_lab(np.asarray(picture, np.float32))
-    return np.concatenate([ndimage.gaussian_filter(lab, (each, each, 0), mode="nearest") for each in _BLURS], axis=2)
+
+    def blur(size: float) -> Floats:
+        return ndimage.gaussian_filter(lab, (size, size, 0), mode="nearest")
+
+    around = blur(_AROUND)
+    looks = [blur(each) - less for less, used in zip((0, around), view, strict=True) if used for each in _BLURS]
+    return np.concatenate(looks, axis=2)
 
 
 def _nearest(values: Floats, centres: Floats) -> npt.NDArray[np.intp]:
