@@ -2,10 +2,10 @@
 
     python fitting/element_breaking.py FOLDER -o OUT
 
-FOLDER holds pictures made of things. OUT/breaking.png has a row for each: the picture, what is told as its elements,
-and what is made of it: by what `jaxtex synth` does by itself; by the search that masks are used with, without mask
-("plain": "the same synthesis procedure", as the caption of figure 10 has it) and with; and by these two larger from
-left to right, from 0.6 to 1.7 times.
+FOLDER holds pictures made of things; masks are what `propose_texton_mask` makes of them. OUT/breaking.png has a row for
+each: the picture, what is told as its elements, and what is made of it: by what `jaxtex synth` does by itself; by the
+search that masks are used with, without mask ("plain": "the same synthesis procedure", as the caption of figure 10 has
+it) and with; and by these two larger from left to right, from 0.6 to 1.7 times.
 
 OUT/breaking.md says how far the elements' areas (over the square of the scale where they are), and their perimeter²
 over area, are from the exemplar's: Wasserstein distances in octaves. Elements of all seeds are taken together: one
@@ -58,17 +58,6 @@ PAIRS = ("mask", "plain"), ("mask", "default"), ("scaled mask", "scaled plain")
 CLEARLY = 0.9  # of the distances without mask
 
 Bools = npt.NDArray[np.bool_]
-
-
-def find_mask(path: Path, pixels: np.ndarray, cache: Path | None) -> Bools:
-    """A picture's things, found anew only if they are not in the cache."""
-    kept = cache / f"{path.name}.npy" if cache else None
-    if kept is not None and kept.exists():
-        return np.load(kept)
-    mask = jt.find_particles(pixels).labels > 0
-    if kept is not None:
-        np.save(kept, mask)
-    return mask
 
 
 class Compared(NamedTuple):
@@ -144,16 +133,14 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="folder for what is made")
     parser.add_argument("--only", nargs="+", metavar="NAME", default=PICTURES, help="these pictures alone")
     parser.add_argument("--seeds", type=int, default=6, help="textures made of each picture; by default 6")
-    parser.add_argument("--cache", type=Path, metavar="FOLDER", help="where masks are kept, to be found only once")
     options = parser.parse_args(words)
     if options.seeds < 2:
         parser.error(f"argument --seeds: {options.seeds} is too few to tell errors; give 2 or more")
     prepare_folder(options.output)
     rows, lines, closer = [], [], np.zeros(len(PAIRS), int)
     for name in options.only:
-        pixels = jt.read_image(options.folder / name).pixels
-        mask = find_mask(options.folder / name, pixels, options.cache)
-        found = compare(pixels[:LARGEST, :LARGEST], mask[:LARGEST, :LARGEST], options.seeds)
+        pixels = jt.read_image(options.folder / name).pixels[:LARGEST, :LARGEST]
+        found = compare(pixels, jt.propose_texton_mask(pixels) > 0, options.seeds)
         rows.append(np.concatenate([fit_in(each) for each in found.cells], axis=1))
         closer += found.ratios[:, 0] < CLEARLY
         told = [" ".join(f"{each:.3f}" for each in row) for row in (*found.apart, found.halves)]
