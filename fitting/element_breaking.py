@@ -11,6 +11,7 @@ OUT/breaking.md says how far the elements' areas (over the square of the scale w
 over area, are from the exemplar's: Wasserstein distances in octaves. Elements of all seeds are taken together: one
 picture holds few, and then even the exemplar's own halves lie as far apart as `halves` says, by chance. Each picture is
 as large as its exemplar, so that as many large elements are cut off by the border and left out in all.
+`whole` is the share of elements, by mask, that are copied as they are in one piece, where nothing is scaled.
 What follows ± is by how much ratios vary with what seeds there are (jackknife).
 """
 
@@ -26,7 +27,7 @@ os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 import jax
 import numpy as np
 import numpy.typing as npt
-from element_shapes import Elements, find_elements, join_elements, learn_classes, measure_apart
+from element_shapes import Elements, find_elements, join_elements, learn_classes, measure_apart, share_whole
 from jax import Array
 from tables import make_table
 
@@ -36,7 +37,6 @@ from jaxtex.io.files import atomic_write_text, prepare_folder
 from jaxtex.progressive.masked import mark_elements, synthesise_masked
 from jaxtex.synthesis.anisometric import make_frames, sample_sources, synthesise_anisometric
 from jaxtex.synthesis.coherence import synthesise_coherence
-from jaxtex.synthesis.sources import copy_sources
 
 PICTURES = (
     "pebbles_coloured.jpg",
@@ -66,6 +66,7 @@ class Compared(NamedTuple):
     apart: of areas and of compactness, by way, [way, 2].
     halves: likewise, of one half of the exemplar against the other.
     count: of whole elements that the exemplar has.
+    whole: the share of elements that are one of the exemplar's as it is, by way that is not scaled.
     ratios: of the distances with mask to those without, the mean of both: by pair of ways, and their errors, [pair, 2].
     """
 
@@ -73,6 +74,7 @@ class Compared(NamedTuple):
     apart: np.ndarray
     halves: np.ndarray
     count: int
+    whole: list[float]
     ratios: np.ndarray
 
 
@@ -81,10 +83,13 @@ def compare(picture: np.ndarray, mask: Bools, seeds: int) -> Compared:
     own = find_elements(picture, classes)
     cells = [linear_to_srgb(picture), own.mask[..., None].astype(np.float32)]
     found: dict[str, list[Elements]] = {way: [] for way in WAYS}
+    whole: dict[str, list[float]] = {way: [] for way in WAYS if way not in SCALED}
     scales = np.exp(np.linspace(-SPAN, SPAN, mask.shape[1]))[None].repeat(mask.shape[0], axis=0)
     for way, each in itertools.product(WAYS, range(seeds)):
         scale = scales if way in SCALED else None
-        made = synthesise(way, picture, mask, scale, jax.random.key(each))
+        sources, made = synthesise(way, picture, mask, scale, jax.random.key(each))
+        if scale is None:
+            whole[way].append(share_whole(mask, np.rint(sources).astype(int)))
         found[way].append(find_elements(made, classes, scale))
         if each == 0:
             cells.append(linear_to_srgb(np.maximum(made, 0)))
@@ -103,22 +108,24 @@ def compare(picture: np.ndarray, mask: Bools, seeds: int) -> Compared:
     half = picture.shape[1] // 2
     halves = measure_apart(find_elements(picture[:, :half], classes), find_elements(picture[:, half:], classes))
     ratios = np.stack([compare_ways(apart), errors], axis=1)
-    return Compared(cells, apart, np.array(halves), len(own.areas), ratios)
+    shares = [float(np.mean(each)) for each in whole.values()]
+    return Compared(cells, apart, np.array(halves), len(own.areas), shares, ratios)
 
 
-def synthesise(way: str, picture: np.ndarray, mask: Bools, scale: np.ndarray | None, key: Array) -> np.ndarray:
-    """More of a picture, as large as it, by one of some ways."""
+def synthesise(
+    way: str, picture: np.ndarray, mask: Bools, scale: np.ndarray | None, key: Array
+) -> tuple[np.ndarray, np.ndarray]:
+    """More of a picture, as large as it, by one of some ways: where its pixels come from, and they."""
     exemplar = linear_to_srgb(picture)
+    sizes, flat = np.ones(mask.shape) if scale is None else scale, np.zeros(mask.shape)
     if way == "default":
-        return copy_sources(picture, synthesise_coherence(exemplar, mask.shape, key=key))
-    if way == "mask":
-        return copy_sources(picture, synthesise_masked(exemplar, mask, mask.shape, key=key))
-    if way == "scaled mask":
-        exemplar = mark_elements(exemplar, mask)
-    sizes = np.ones(mask.shape) if scale is None else scale
-    flat = np.zeros(mask.shape)
-    sources = synthesise_anisometric(exemplar, sizes, flat, key=key, tileable=scale is None)
-    return sample_sources(picture, sources, make_frames(sizes, flat))
+        sources = synthesise_coherence(exemplar, mask.shape, key=key)
+    elif way == "mask":
+        sources = synthesise_masked(exemplar, mask, mask.shape, key=key)
+    else:
+        looked_at = mark_elements(exemplar, mask) if way == "scaled mask" else exemplar
+        sources = synthesise_anisometric(looked_at, sizes, flat, key=key, tileable=scale is None)
+    return sources, sample_sources(picture, sources, make_frames(sizes, flat))
 
 
 def fit_in(picture: np.ndarray) -> np.ndarray:
@@ -144,10 +151,11 @@ def main(words: Sequence[str] | None = None) -> None:
         rows.append(np.concatenate([fit_in(each) for each in found.cells], axis=1))
         closer += found.ratios[:, 0] < CLEARLY
         told = [" ".join(f"{each:.3f}" for each in row) for row in (*found.apart, found.halves)]
-        lines.append([name, str(found.count), *told, *(f"{ratio:.2f} ± {error:.2f}" for ratio, error in found.ratios)])
+        lines.append([name, str(found.count), *told, " ".join(f"{each:.0%}" for each in found.whole)])
+        lines[-1] += [f"{ratio:.2f} ± {error:.2f}" for ratio, error in found.ratios]
         print(" | ".join(lines[-1]), flush=True)
     ratios = [f"{one} / {other}" for one, other in PAIRS]
-    table = make_table(("picture", "elements", *WAYS, "halves", *ratios), lines)
+    table = make_table(("picture", "elements", *WAYS, "halves", "whole: default, plain, mask", *ratios), lines)
     counts = ", ".join(f"{count} ({ratio})" for count, ratio in zip(closer, ratios, strict=True))
     told = (
         f"Of areas and of shapes, elements of {options.seeds} seeds together. Of {len(lines)}, clearly closer, below "

@@ -26,6 +26,7 @@ _AROUND = 16.0  # pixels: standard deviation of what colours around are the mean
 _VIEWS = (True, False), (False, True), (True, True)  # colours as they are, and less those around
 _COLOURS = 48  # classes of them
 _SAMPLE = 20_000  # pixels that these are learnt from
+_WHOLE = 0.9  # of an element's pixels are from one, side by side as there, if it is whole
 _SPECK = 0.03  # of the exemplar's median element: less is noise of the classes
 
 Floats = npt.NDArray[np.floating]
@@ -98,6 +99,25 @@ def find_elements(picture: Floats, classes: Classes, scale: Floats | None = None
 def join_elements(pictures: Sequence[Elements]) -> Elements:
     """Elements of some pictures; their masks lie side by side."""
     return Elements(*(np.concatenate(each, axis=-1) for each in zip(*pictures, strict=True)))
+
+
+def share_whole(mask: npt.NDArray[np.bool_], sources: npt.NDArray[np.integer]) -> float:
+    """The share of a texture's elements that are one of its exemplar's, as that is, but for a tenth of either.
+
+    Args:
+        mask: of the exemplar's elements, [row, col].
+        sources: where the texture's pixels come from, [row, col, 2].
+    """
+    own = ndimage.label(mask)[0]
+    sizes = np.bincount(own.ravel())
+    shown, steps = own[tuple(np.moveaxis(sources, 2, 0))], sources - np.moveaxis(np.indices(sources.shape[:2]), 0, 2)
+    whole = []
+    for each in regionprops(clear_border(ndimage.label(shown > 0)[0])):
+        inside = tuple(each.coords.T)
+        pieces, counts = np.unique(np.column_stack([shown[inside], steps[inside]]), axis=0, return_counts=True)
+        most = np.argmax(counts)
+        whole.append(counts[most] >= _WHOLE * max(each.area, sizes[pieces[most, 0]]))
+    return float(np.mean(whole)) if whole else np.nan
 
 
 def measure_apart(one: Elements, other: Elements) -> tuple[float, float]:

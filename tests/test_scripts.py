@@ -340,3 +340,15 @@ def test_elements_that_are_larger_are_as_far_apart_as_that(script: ModuleType) -
     areas, shapes = script.measure_apart(larger, own)
     assert areas == pytest.approx(2 * np.log2(12 / 9), abs=0.2)
     assert shapes < 0.1
+
+
+@pytest.mark.parametrize("script", ["element_shapes"], indirect=True)
+def test_elements_that_are_copied_in_one_piece_are_whole(script: ModuleType) -> None:
+    """The same moved by 8 pixels; and one in which every second row of spots is of two halves of others."""
+    mask = spots_on_a_slope()[1]
+    there = np.moveaxis(np.indices(mask.shape), 0, 2)
+    broken = there.copy()
+    parted = (there[..., 0] // 32 % 2 == 0) & (there[..., 1] % 32 < 16)
+    broken[parted] = (broken[parted] + np.array([32, 0])) % 128
+    assert script.share_whole(mask, (there + 8) % 128) == 1
+    assert script.share_whole(mask, broken) == 0.5
