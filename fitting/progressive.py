@@ -23,7 +23,7 @@ os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 import jax
 import numpy as np
 import numpy.typing as npt
-from progressive_blending import blend_labels, kept_edges, measure_blend, mix_textures, turning_back
+from progressive_blending import blend_labels, going_beyond, kept_edges, measure_blend, mix_textures, turning_back
 from reaction_diffusion import grow_leopard, grow_tiger
 from tables import make_table
 
@@ -179,13 +179,17 @@ def tell_blending(folder: Path) -> str:
         _, _, laid, weights = lay_out(folder, pair)
         for way, blend in WAYS.items():
             found = measure_blend(laid, weights, blend)
-            cells = [f"{' '.join(f'{each:.3g}' for each in row)} ({turning_back(row):.0%})" for row in found]
+            cells = [
+                f"{' '.join(f'{each:.3g}' for each in row)} ({turning_back(row):.0%}, {going_beyond(row):.0%})"
+                for row in found
+            ]
             strips.append([" to ".join(pair), way, *cells])
         made = blend_pair(folder, pair)
         edges.append([" to ".join(pair), *(f"{kept_edges(each, weights, middle):.2f}" for each in made.values())])
     heads = ["blend", "masks", "share covered", "elements in 100 x 100 pixels", "perimeter²/(4 pi area)"]
     return (
-        "What elements are like in strips from left to right; in brackets, how much of the way is gone back.\n\n"
+        "What elements are like in strips from left to right; in brackets, how much of the way is gone back, and how\n"
+        "far they go beyond both ends.\n\n"
         f"{make_table(heads, strips)}\n\n"
         "How much of the strength of edges is left in the middle of the blend.\n\n"
         f"{make_table(['blend', *WAYS, 'cross-fade'], edges)}\n"

@@ -72,6 +72,13 @@ def turning_back(values: Floats) -> float:
     return float(np.maximum(-steps, 0).sum() / abs(way))
 
 
+def going_beyond(values: Floats) -> float:
+    """How far values go beyond the first and the last, at most, over these; where the two are alike, what is gone back
+    of the way between them tells nothing."""
+    ends = values[[0, -1]]
+    return float(max(values.max() / ends.max(), ends.min() / values.min()) - 1)
+
+
 def kept_edges(layers: Floats, weights: Floats, columns: slice) -> float:
     """Squared gradients of layers that are blended, beside the weighted mean of each one's own, in some columns.
 

@@ -278,6 +278,9 @@ def test_going_back_is_told_as_a_share_of_the_way(script: ModuleType) -> None:
     assert script.turning_back(np.array([0.0, 0.1, 0.4, 1.0])) == 0
     assert script.turning_back(np.array([3.0, 2.0, 2.5, 1.0])) == pytest.approx(0.25)
     assert script.turning_back(np.array([0.0, 1.5, 1.0])) == pytest.approx(0.5)
+    assert script.going_beyond(np.array([2.0, 3.0, 1.0])) == pytest.approx(0.5)
+    assert script.going_beyond(np.array([1.0, 0.8, 1.0])) == pytest.approx(0.25)
+    assert script.going_beyond(np.array([1.0, 1.2, 2.0])) == 0
 
 
 @pytest.mark.parametrize("script", ["progressive_blending"], indirect=True)
@@ -308,3 +311,44 @@ def test_edges_that_lie_apart_are_left_at_half_their_strength(script: ModuleType
     assert script.kept_edges(np.stack([one, one]), halves, middle) == pytest.approx(1)
     assert script.kept_edges(np.stack([one, other]), halves, middle) == pytest.approx(0.5, abs=0.03)
     assert script.kept_edges(np.stack([one, 1 - one]), halves, middle) == pytest.approx(0, abs=1e-9)
+
+
+def spots_on_a_slope(size: float = 9.0) -> tuple[np.ndarray, np.ndarray]:
+    """Spots, lighter than what is around but not than the ground elsewhere; linear light, and where they are."""
+    row, column = np.indices((128, 128))
+    spots = np.hypot(row % 32 - 16, column % 32 - 16) < size
+    noise = 0.01 * np.random.default_rng(0).normal(size=spots.shape)
+    return np.clip(0.1 + 0.5 * row / 128 + 0.15 * spots + noise, 0, 1)[..., None], spots
+
+
+@pytest.mark.parametrize("script", ["element_shapes"], indirect=True)
+def test_elements_are_told_on_uneven_ground(script: ModuleType) -> None:
+    picture, spots = spots_on_a_slope()
+    classes = script.learn_classes(picture, spots)
+    found = script.find_elements(picture, classes)
+    assert classes.view[1]
+    assert (found.mask == spots).mean() > 0.97
+    assert len(found.areas) == 16
+    assert script.measure_apart(script.join_elements([found, found]), found) == (0, 0)
+
+
+@pytest.mark.parametrize("script", ["element_shapes"], indirect=True)
+def test_elements_that_are_larger_are_as_far_apart_as_that(script: ModuleType) -> None:
+    picture, spots = spots_on_a_slope()
+    classes = script.learn_classes(picture, spots)
+    own, larger = (script.find_elements(spots_on_a_slope(size)[0], classes) for size in (9.0, 12.0))
+    areas, shapes = script.measure_apart(larger, own)
+    assert areas == pytest.approx(2 * np.log2(12 / 9), abs=0.2)
+    assert shapes < 0.1
+
+
+@pytest.mark.parametrize("script", ["element_shapes"], indirect=True)
+def test_elements_that_are_copied_in_one_piece_are_whole(script: ModuleType) -> None:
+    """The same moved by 8 pixels; and one in which every second row of spots is of two halves of others."""
+    mask = spots_on_a_slope()[1]
+    there = np.moveaxis(np.indices(mask.shape), 0, 2)
+    broken = there.copy()
+    parted = (there[..., 0] // 32 % 2 == 0) & (there[..., 1] % 32 < 16)
+    broken[parted] = (broken[parted] + np.array([32, 0])) % 128
+    assert script.share_whole(mask, (there + 8) % 128) == 1
+    assert script.share_whole(mask, broken) == 0.5

@@ -10,7 +10,8 @@ are equal; blurring hides that, and thin elements with it. Instead of labels, si
 so that shapes change all the way. They are made normally distributed first (by rank) and blended with their variance
 kept, as E. Heitz and F. Neyret do with colours ("High-Performance By-Example Noise using a Histogram-Preserving
 Blending Operator", 2018), so a threshold is known at which elements cover, at each place, the weighted mean of what
-they cover in the textures; nobody selects it.
+they cover in the textures; nobody selects it. Between textures, elements that are more ragged than those of the masks
+are parted where they are narrow, and smoothed.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,9 +21,11 @@ import jax
 import numpy as np
 import numpy.typing as npt
 from jax import Array
+from scipy import ndimage
 from scipy.stats import norm, rankdata
 
 from jaxtex.core.errors import InputError
+from jaxtex.progressive.compactness import keep_compact, measure_raggedness
 from jaxtex.progressive.filtering import MASK_WEIGHT, filter_mask
 from jaxtex.progressive.masked import masked_steps
 from jaxtex.progressive.texton_masks import Labels, check_texton_mask
@@ -30,6 +33,7 @@ from jaxtex.progressive.warping import signed_distance
 from jaxtex.synthesis.anisometric import sample_sources
 
 _SUM = 1e-3  # by which weights may miss 1
+_RAGGED = 0.9  # of a mask's elements are less ragged than those of a blend may be
 
 Floats = npt.NDArray[np.float32]
 
@@ -92,8 +96,8 @@ def blend_masks(masks: Sequence[npt.ArrayLike], weights: npt.ArrayLike) -> Label
         weights: of each, [mask, row, col], 0 or more, summing to 1; smooth.
 
     Returns:
-        uint8 [row, col]. Of two labels, elements cover the weighted mean of what they cover in the masks; of more, so
-        nearly.
+        uint8 [row, col]. Of two labels, elements, which the larger marks, cover about the weighted mean of what they
+        cover in the masks, and are no more ragged than most of theirs; of more labels, they cover so nearly.
 
     Raises:
         InputError: no texton masks, or of several sizes.
@@ -118,7 +122,11 @@ def blend_masks(masks: Sequence[npt.ArrayLike], weights: npt.ArrayLike) -> Label
         # Scores of what no mask has, or what all have everywhere, are infinite as this threshold is.
         threshold = norm.ppf(1 - np.clip((shares * covered).sum(axis=0), 1e-9, 1 - 1e-9))
         above.append((shares * scores).sum(axis=0) / spread - threshold)
-    return labels[np.argmax(above, axis=0)] if len(labels) != 2 else labels[(above[1] > 0).astype(int)]
+    if len(labels) != 2:
+        return labels[np.argmax(above, axis=0)]
+    most = np.sum(shares * [[[_allow_ragged(each == labels[1])]] for each in given], axis=0)
+    most[shares.max(axis=0) > 1 - _SUM] = np.inf  # masks that are alone stay as they are
+    return labels[keep_compact(above[1] > 0, most).astype(int)]
 
 
 def blend_textures(
@@ -215,6 +223,11 @@ def _score(inside: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:
     if inside.all() or not inside.any():
         return np.full(inside.shape, 9.0 if inside.all() else -9.0)
     return norm.ppf(rankdata(signed_distance(inside)).reshape(inside.shape) / (inside.size + 1))
+
+
+def _allow_ragged(inside: npt.NDArray[np.bool_]) -> float:
+    ragged = measure_raggedness(ndimage.label(inside)[0])
+    return float(np.quantile(ragged[ragged > 0], _RAGGED)) if ragged.any() else 1.0
 
 
 def _check_weights(weights: npt.ArrayLike, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:

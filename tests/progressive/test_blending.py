@@ -5,6 +5,7 @@ from scipy import ndimage
 
 from jaxtex.core.errors import InputError
 from jaxtex.progressive.blending import blend_masks, blend_textures, lay_out_mask, transition_weights
+from jaxtex.progressive.compactness import measure_raggedness
 from jaxtex.synthesis.anisometric import sample_sources
 
 KEY = jax.random.key(0)
@@ -47,6 +48,18 @@ def test_shapes_change_all_the_way() -> None:
         apart.append(np.mean(made != masks[0]))
     assert (np.diff(apart) > 0).all()
     assert np.diff(apart).max() < 0.5 * apart[-1]
+
+
+def test_elements_are_no_more_ragged_between_textures_than_in_them() -> None:
+    """Disks of two sizes: where they meet, those that run together are parted."""
+    masks = [
+        (np.hypot(*(np.indices((96, 96)) % size - 0.5 * size)) < 0.38 * size).astype(np.uint8) for size in (12, 32)
+    ]
+    made = blend_masks(masks, np.full((2, 96, 96), 0.5))
+    assert np.mean(made != masks[0]) > 0.1
+    ragged = measure_raggedness(ndimage.label(made)[0])
+    own = max(measure_raggedness(ndimage.label(each)[0]).max() for each in masks)
+    assert np.mean(ragged[ragged > 0]) < 1.2 * own
 
 
 def test_three_labels_stay_three() -> None:
