@@ -13,7 +13,7 @@ from scipy.ndimage import distance_transform_cdt, find_objects
 from scipy.spatial import cKDTree
 
 from jaxtex.particles.boxes import form_of, gap_between, overlap_share
-from jaxtex.particles.companions import group_companions, measure_rooms
+from jaxtex.particles.companions import learn_companions
 from jaxtex.particles.cooccurrences import (
     Arrangement,
     Cooccurrence,
@@ -142,9 +142,9 @@ def _learn_class(decomposition: Decomposition, kinds: Sequence[int], kind: int) 
             neighbours = tuple(tuple(index.get(other, -1) for other, _ in pairs) for pairs in listed.values())
             owners = tuple(index[number] for number in listed)
             coherent = bool(np.mean(decomposition.labels > 0) >= _DENSE)
-            closeness, rooms = _measure_closeness(decomposition, seen), measure_rooms(decomposition, kind, members)
-            groups = group_companions(decomposition, kind, members)
-            return Listed(members, lists, owners, neighbours, coherent, *frames, *closeness, rooms, groups, density)
+            closeness = _measure_closeness(decomposition, seen)
+            companions = learn_companions(decomposition, kind, members)
+            return Listed(members, lists, owners, neighbours, coherent, *frames, *closeness, *companions, density)
     height, width = decomposition.labels.shape
     apart = [hypot(boxes[i].x - boxes[j].x, boxes[i].y - boxes[j].y) for i, j in combinations(numbers, 2)]
     # Of a ring and what is in its middle, no distance is known.

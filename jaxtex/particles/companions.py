@@ -27,8 +27,21 @@ class Companion(NamedTuple):
     y: float
 
 
-def measure_rooms(decomposition: Decomposition, kind: int, members: Sequence[int]) -> tuple[float, ...]:
-    """How far particles are from the nearest ones of their class, centre to centre, in pixels.
+class Companions(NamedTuple):
+    """What is known of the nearest ones of a class's members.
+
+    Attributes:
+        rooms: how far each is from its nearest one, centre to centre, in pixels.
+        groups: members, so that each has what is nearest to it in its own group, as far as that is known; each member
+            is in one.
+    """
+
+    rooms: tuple[float, ...]
+    groups: tuple[tuple[Companion, ...], ...]
+
+
+def learn_companions(decomposition: Decomposition, kind: int, members: Sequence[int]) -> Companions:
+    """Learn how far the particles of a class are from their nearest ones, and which these are.
 
     What is nearest may be out of sight where the picture's border is nearer than what is seen. Then it is taken to be
     as far as the median of those known distances that are possible.
@@ -40,52 +53,33 @@ def measure_rooms(decomposition: Decomposition, kind: int, members: Sequence[int
 
     Examples:
         >>> from jaxtex.particles.things import describe_particles
-        >>> labels = np.zeros((30, 40), int)
-        >>> labels[14:17, 10:13], labels[14:17, 16:19], labels[14:17, 23:26] = 1, 2, 3
-        >>> measure_rooms(describe_particles(labels, [0, 0, 0]), 0, [0, 1, 2])
-        (6.0, 6.0, 7.0)
+        >>> labels = np.zeros((30, 50), int)
+        >>> labels[10:13, 13:16], labels[10:13, 19:22], labels[24:27, 33:36] = 1, 2, 3
+        >>> learnt = learn_companions(describe_particles(labels, [0, 0, 0]), 0, [0, 1, 2])
+        >>> learnt.rooms
+        (6.0, 6.0, 6.0)
+        >>> learnt.groups[0]
+        (Companion(which=0, x=0.0, y=0.0), Companion(which=1, x=6.0, y=0.0))
     """
     pattern = pattern_of_picture(decomposition)
     nearest = _know_nearest(pattern, kind)
     known = np.array([distance for _, distance in nearest.values()])
     points = pattern.points[pattern.known & (pattern.kinds == kind)]
-    return tuple(nearest[each][1] if each in nearest else _guess_room(pattern, each, points, known) for each in members)
+    rooms = (nearest[each][1] if each in nearest else _guess_room(pattern, each, points, known) for each in members)
+    return Companions(tuple(rooms), _group(pattern.points, members, nearest))
 
 
-def group_companions(
-    decomposition: Decomposition, kind: int, members: Sequence[int]
+def _group(
+    points: Floats, members: Sequence[int], nearest: dict[int, tuple[int, float]]
 ) -> tuple[tuple[Companion, ...], ...]:
-    """Particles in groups, so that each has what is nearest to it in its own, as far as that is known.
-
-    Args:
-        decomposition: the picture taken apart.
-        kind: a class.
-        members: numbers of particles of that class.
-
-    Returns:
-        Groups, of which each member is in one.
-
-    Examples:
-        >>> from jaxtex.particles.things import describe_particles
-        >>> labels = np.zeros((30, 50), int)
-        >>> labels[10:13, 13:16], labels[10:13, 19:22], labels[24:27, 33:36] = 1, 2, 3
-        >>> (pair, single) = group_companions(describe_particles(labels, [0, 0, 0]), 0, [0, 1, 2])
-        >>> pair
-        (Companion(which=0, x=0.0, y=0.0), Companion(which=1, x=6.0, y=0.0))
-    """
-    pattern, index = pattern_of_picture(decomposition), {number: place for place, number in enumerate(members)}
-    links = [
-        (index[each], index[other])
-        for each, (other, _) in _know_nearest(pattern, kind).items()
-        if each in index and other in index
-    ]
+    index = {number: place for place, number in enumerate(members)}
+    links = [(index[each], index[other]) for each, (other, _) in nearest.items() if {each, other} <= index.keys()]
     graph = csr_array((np.ones(len(links)), np.array(links, int).reshape(-1, 2).T), (len(members), len(members)))
     count, belongs = connected_components(graph, directed=False)
-    points = pattern.points[list(members)]
-    groups = []
+    places, groups = points[list(members)], []
     for number in range(count):
         whiches = np.flatnonzero(belongs == number)
-        ways = points[whiches] - points[whiches[:1]]
+        ways = places[whiches] - places[whiches[:1]]
         groups.append(tuple(Companion(*each) for each in zip(whiches.tolist(), *ways.T.tolist(), strict=True)))
     return tuple(groups)
 
@@ -105,5 +99,5 @@ def _guess_room(pattern: Pattern, number: int, points: Floats, known: Floats) ->
     seen = np.sort(np.hypot(*(points - here[None]).T))[1:2]  # the first is the point itself
     furthest = float(seen[0]) if len(seen) else np.inf
     possible = known[(known >= border) & (known <= furthest)]
-    usual = float(np.median(possible if len(possible) else known)) if len(known) else max(border, 1.0)
-    return min(usual, furthest)
+    usual = float(np.median(possible if len(possible) else known)) if len(known) else 1.0
+    return min(max(usual, border), furthest)

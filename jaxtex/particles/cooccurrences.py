@@ -47,7 +47,7 @@ class Listed(NamedTuple):
         clearance: pixels between the boxes of neighbours, of most at least; 0 where boxes overlap.
         overlap: by how much they do, as a share (see `overlap_share`): the median over all particles.
         rooms: how far each member's centre is from the nearest one's, in pixels.
-        groups: of members, each with what is nearest to it (see `group_companions`).
+        groups: of members, each with what is nearest to it (see `jaxtex.particles.companions`).
         density: particles per pixel.
     """
 

@@ -30,7 +30,7 @@ _SOFT = 0.05  # of the mean distance to the nearest one: by how much further awa
 _TOLERANCE = 0.35  # of that distance: differences beyond have little weight
 _LENGTHS = 0.5  # how much lengths count beside all projections together
 _DIRECTIONS = 2.0  # how much directions do, all projections together
-_ARM = 0.5  # of the mean distance to the nearest one: how far apart opposite directions count as
+_ARM = 0.5  # of the mean distance to the nearest one: half of how far apart directions at right angles count as
 _QUANTILES = 256
 _LEAST_KNOWN = 4  # particles of which it is known what is nearest; fewer tell nothing
 
@@ -176,7 +176,7 @@ def miss_goal(points: Array, candidates: Candidates, goal: Goal) -> Array:
     found = _find_ways(points, candidates, goal.scales)
     return sum(
         (
-            _miss_table(ways, goal.axes, table, goal.strengths[:, index], _TOLERANCE * goal.scales.unit)
+            _miss_table(ways, goal.axes, table, goal.strengths[:, index], goal.scales.unit)
             for index, (ways, table) in enumerate(zip(found, tables, strict=True))
         ),
         jnp.zeros(()),
@@ -251,9 +251,9 @@ def _quantiles(along: Floats, weights: Floats) -> Floats:
     return np.stack(rows)
 
 
-def _miss_table(ways: Ways, axes: Array, table: Array, strengths: Array, tolerance: Array) -> Array:
+def _miss_table(ways: Ways, axes: Array, table: Array, strengths: Array, unit: Array) -> Array:
     """Each way's difference to the quantile of its rank, squared and limited."""
-    along = _project(ways, axes, tolerance / _TOLERANCE)
+    along = _project(ways, axes, unit)
     weights = jnp.broadcast_to(ways.weights[:, None], along.shape)
     order = jnp.argsort(jax.lax.stop_gradient(jnp.where(weights > 0, along, jnp.inf)), axis=-1)
     ranked = jnp.take_along_axis(weights, order, axis=-1)
@@ -265,7 +265,7 @@ def _miss_table(ways: Ways, axes: Array, table: Array, strengths: Array, toleran
     wanted = (1 - part) * jnp.take_along_axis(table, below, axis=-1)
     wanted += part * jnp.take_along_axis(table, below + 1, axis=-1)
     off = jnp.where(ranked > 0, jnp.take_along_axis(along, order, axis=-1) - wanted, 0.0)
-    limit = tolerance[:, None, None]
+    limit = _TOLERANCE * unit[:, None, None]
     limited = -jnp.square(limit) * jnp.expm1(-jnp.square(off / limit))
     counts = jnp.array([*[1.0 / len(axes)] * len(axes), *[_DIRECTIONS / len(axes)] * len(axes), _LENGTHS], off.dtype)
     return 0.5 * (strengths[:, None, None] * counts[None, :, None] * share * limited).sum()

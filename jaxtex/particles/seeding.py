@@ -37,8 +37,14 @@ at random keep no distance at all, and would find room without end."""
 
 _MOST = 1 << 20  # particles of a class
 _SURPLUS = 1.15  # times the picture's density: where more find room, lists do not tell how the class is arranged
-_CLOSENESS = (1.0, 0.9, 0.8, 0.6, 0.4)  # of the room that particles have in the picture: what groups keep, if they can
-_NEARLY = 0.98  # of the picture's density: enough groups
+_DEARTH = 0.3  # times that density: where fewer do, neither
+_CLOSENESS = (
+    0.999,
+    0.9,
+    0.8,
+    0.6,
+    0.4,
+)  # of the room that particles have in the picture: what groups keep, if they can
 
 
 def seed_composition(
@@ -153,17 +159,20 @@ def _sow_kind(
         groups = tuple((Companion(which, 0.0, 0.0),) for which in range(len(forms)))
         sowing = prepare(rooms, overlap)
     found = sow_class(sowing, rule, forms, germ, enough, _SURPLUS * enough)
-    if count_inside(plane, found) <= _SURPLUS * enough:
+    there = count_inside(plane, found)
+    if _DEARTH * enough <= there <= _SURPLUS * enough:
         return found
     # Where there is room for more, what lists say of each neighbour does not tell where there is none.
-    margin = 0.0 if plane.periodic else 0.5 * widest
-    count = round(enough * (1 + 2 * margin / plane.width) * (1 + 2 * margin / plane.height))
+    extent = max(hypot(each.x, each.y) for group in groups for each in group) * (terrain.largest if terrain else 1.0)
+    margin = 0.0 if plane.periodic else 0.5 * widest + extent
+    count = max(1, round(enough * (1 + 2 * margin / plane.width) * (1 + 2 * margin / plane.height)))
     ranked = sorted(groups, key=lambda group: -max(rooms[each.which] for each in group))
     for closeness in _CLOSENESS:
-        found = sow_groups(prepare([closeness * room for room in rooms], overlap), ranked, germ, count, margin)
-        if count_inside(plane, found) >= _NEARLY * enough:
-            break
-    return found
+        sowing = prepare([closeness * room for room in rooms], overlap)
+        strewn, complete = sow_groups(sowing, ranked, germ, count, margin)
+        if complete:
+            return strewn
+    return max(strewn, found, key=len) if there < enough else strewn
 
 
 def _measure_widest(plane: Plane, forms: Sequence[Form], clearance: float, terrain: Terrain | None) -> float:

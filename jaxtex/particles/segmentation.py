@@ -59,7 +59,7 @@ def rate_particles(pixels: npt.ArrayLike, decomposition: Decomposition) -> float
 
     Args:
         pixels: the picture, as in `find_particles`.
-        decomposition: what it was taken apart into.
+        decomposition: what it was taken apart into; at least one particle.
 
     Examples:
         >>> row, column = np.indices((96, 96)) % 24 - 12

@@ -1,7 +1,7 @@
 """The particles of one class on a plane: each around another as lists have it, or in groups that are strewn."""
 
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from math import cos, sin, tau
 from random import Random
@@ -18,7 +18,8 @@ _PATIENCE = 30  # more rounds of that kind, where there are hardly any particles
 _HARDLY_ANY = 0.1  # of as many as there are in the picture
 
 _TRIES = 12  # places that are tried around each particle of a class whose arrangement is not known
-_THROWS = 200  # places that are tried for each group
+_THROWS = 50  # places that are tried for each group
+_NEARLY = 0.98  # of the particles that are asked for in groups: enough
 
 
 class Sowing(NamedTuple):
@@ -49,7 +50,7 @@ def sow_class(
 ) -> list[Placed]:
     """All particles that follow from the one at the germ, in the order in which they were placed.
 
-    Two that were neighbours in the picture may be so again, however much their boxes overlap.
+    The boxes of two that were neighbours in the picture may overlap as they do there.
 
     Args:
         sowing: what they are placed by.
@@ -71,8 +72,9 @@ def sow_class(
             parent = queue.popleft()
             for way in ways(parent):
                 child = stock.step(parent, way)
-                seen = plane.contains(child.x, child.y, child.thing.reach * child.local.size)
-                if seen and not _is_taken(sowing, child, parent if way.which >= 0 else None):
+                as_there = child.thing.which == way.which and _is_plain(parent) and _is_plain(child)
+                known = (parent,) if as_there else ()
+                if _is_seen(plane, child) and not _is_taken(sowing, child, grid.near(child.x, child.y), known):
                     stock.settle()
                     grid.add(child.x, child.y, child)
                     found.append(child)
@@ -91,36 +93,36 @@ def sow_groups(
     germ: tuple[float, float],
     count: int,
     margin: float,
-) -> list[Placed]:
-    """Groups strewn at random, the first at the germ, each as often, those before others that come before them.
+) -> tuple[list[Placed], bool]:
+    """Groups strewn at random, the first at the germ, each about as often; those before others come before them.
 
     Args:
         sowing: what they are placed by.
         groups: of particles, each as they are to each other.
         germ: the first one's place.
-        count: particles, if there is room.
-        margin: how far from the plane particles may be that are seen on it, in pixels.
+        count: about so many particles.
+        margin: how far from the plane groups are placed, too, in pixels.
+
+    Returns:
+        Those that are seen, and whether there was room for nearly as many as were asked for; if not, it was given up.
     """
-    plane, stock, rng = sowing.plane, sowing.stock, sowing.rng
+    throw = sowing.stock.throws(margin)
+    copies = _share_out(groups, count, sowing.rng)
+    missing = (1 - _NEARLY) * sum(len(group) * wanted for group, wanted in zip(groups, copies, strict=True))
     found: list[Placed] = []
-    place: tuple[float, float] | None = germ
-    for group, copies in zip(groups, _share_out(groups, count, rng), strict=True):
-        tries = _THROWS * copies
-        while copies and tries:
-            x, y = place or (
-                rng.uniform(-margin, plane.width + margin),
-                rng.uniform(-margin, plane.height + margin),
-            )
-            if place is None and rng.random() >= stock.abundance(x, y):
-                continue
-            place, tries = None, tries - 1
-            placed = _stand_together(stock, group, x, y)
-            if not any(_is_taken(sowing, each) for each in placed):
-                for each in placed:
-                    sowing.grid.add(each.x, each.y, each)
-                found += placed
-                copies -= 1
-    return found
+    place = germ
+    for group, wanted in zip(groups, copies, strict=True):
+        left, tries = wanted, _THROWS * wanted
+        while left and tries:
+            placed = _stand_together(sowing, group, *place)
+            for each in placed:
+                sowing.grid.add(each.x, each.y, each)
+            found += placed
+            left, tries, place = left - bool(placed), tries - 1, throw()
+        missing -= left * len(group)
+        if missing < 0:
+            break
+    return [each for each in found if _is_seen(sowing.plane, each)], missing >= 0
 
 
 def count_inside(plane: Plane, found: Sequence[Placed]) -> int:
@@ -133,29 +135,49 @@ def _share_out(groups: Sequence[Sequence[Companion]], count: int, rng: Random) -
     each, rest = divmod(count, sum(map(len, groups)))
     copies = [each] * len(groups)
     for number in rng.sample(range(len(groups)), len(groups)):
-        if rest >= len(groups[number]):
+        # A group that is too long comes as often as not, so that small planes are not without long groups.
+        if rest >= len(groups[number]) or rng.random() * len(groups[number]) < rest:
             copies[number] += 1
-            rest -= len(groups[number])
-    return copies
+            rest -= min(rest, len(groups[number]))
+    return copies if any(copies) else [1, *copies[1:]]
 
 
-def _stand_together(stock: Stock, group: Sequence[Companion], x: float, y: float) -> list[Placed]:
-    first = stock.stand(x, y, group[0].which)
-    ways = (Way(lambda _, way=(each.x, each.y): way, each.which) for each in group[1:])  # type: ignore[misc]
-    return [first, *(stock.step(first, way) for way in ways)]
+def _stand_together(sowing: Sowing, group: Sequence[Companion], x: float, y: float) -> list[Placed]:
+    """A group whose first particle is at a place; nothing if any of it has no room."""
+    stock, placed = sowing.stock, list[Placed]()
+    for which, dx, dy in group:
+        # All are sought from the first.
+        way = Way(lambda _, way=(dx, dy): way, which)  # type: ignore[misc]
+        each = stock.step(placed[0], way) if placed else stock.stand(x, y, which)
+        known = [other for other in placed if _is_plain(other)] if _is_plain(each) and each.thing.which == which else []
+        if _is_taken(sowing, each, sowing.grid.near(each.x, each.y)) or _is_taken(sowing, each, placed, known):
+            return []
+        placed.append(each)
+    return placed
 
 
-def _is_taken(sowing: Sowing, child: Placed, parent: Placed | None = None) -> bool:
-    """Whether a particle would overlap one that is there, but for its parent, by too much, or come too close to it."""
+def _is_plain(placed: Placed) -> bool:
+    """Whether chance has made nothing else of it than it is in the picture."""
+    return placed.thing.scale == 1 and placed.thing.turn == 0
+
+
+def _is_seen(plane: Plane, placed: Placed) -> bool:
+    return plane.contains(placed.x, placed.y, placed.thing.reach * placed.local.size)
+
+
+def _is_taken(sowing: Sowing, child: Placed, others: Iterable[Placed], known: Sequence[Placed] = ()) -> bool:
+    """Whether a particle would come too close to one of others, or overlap one by too much that is not a known one."""
     x, y, footprint, reach, room = child.x, child.y, child.footprint, child.reach, child.room
     difference, most = sowing.plane.difference, sowing.most
-    for each in sowing.grid.near(x, y):
-        if each is parent:
-            continue
+    for each in others:
         dx, dy = difference(each.x, each.y, x, y)
         square = dx * dx + dy * dy
-        if square < max(each.room, room) ** 2 or (
-            square < (each.reach + reach) ** 2 and overlap_share(dx, dy, each.footprint, footprint) > most
+        if square < max(each.room, room) ** 2:
+            return True
+        if (
+            square < (each.reach + reach) ** 2
+            and overlap_share(dx, dy, each.footprint, footprint) > most
+            and not any(each is other for other in known)
         ):
             return True
     return False

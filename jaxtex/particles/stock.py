@@ -115,8 +115,8 @@ class Stock(Protocol):
     def settle(self) -> None:
         """The last of these has found room."""
 
-    def abundance(self, x: float, y: float) -> float:
-        """Particles per area at a place, as a share of where there are most."""
+    def throws(self, margin: float) -> Callable[[], tuple[float, float]]:
+        """What gives places at random, as often as particles are asked for there, up to a margin around the plane."""
 
 
 class EvenStock:
@@ -133,7 +133,7 @@ class EvenStock:
     def __init__(
         self, plane: Plane, forms: Sequence[Form], clearance: float, rooms: Sequence[float], rng: Random
     ) -> None:
-        self._wrap, self._deck = plane.wrap, Deck(len(forms), rng)
+        self._plane, self._rng, self._deck = plane, rng, Deck(len(forms), rng)
         self._things = [
             make_thing(which, form, clearance, room)
             for which, (form, room) in enumerate(zip(forms, rooms, strict=True))
@@ -146,13 +146,14 @@ class EvenStock:
     def step(self, parent: Placed, way: Way) -> Placed:
         thing = self._draw(way.which)
         dx, dy = way.follow(thing.form)
-        return self._place(thing, *self._wrap(parent.x + dx, parent.y + dy))
+        return self._place(thing, *self._plane.wrap(parent.x + dx, parent.y + dy))
 
     def settle(self) -> None:
         self._deck.take()
 
-    def abundance(self, x: float, y: float) -> float:
-        return 1.0
+    def throws(self, margin: float) -> Callable[[], tuple[float, float]]:
+        plane, rng = self._plane, self._rng
+        return lambda: (rng.uniform(-margin, plane.width + margin), rng.uniform(-margin, plane.height + margin))
 
     def _draw(self, which: int) -> Thing:
         return self._things[self._deck.draw() if which < 0 else self._deck.choose(which)]
@@ -201,8 +202,8 @@ class UnevenStock:
     def settle(self) -> None:
         self._deck.take()
 
-    def abundance(self, x: float, y: float) -> float:
-        return (self._terrain.densest / self._terrain.at(x, y).spacing) ** 2
+    def throws(self, margin: float) -> Callable[[], tuple[float, float]]:
+        return self._terrain.throws(margin, self._rng)
 
     def _choose(self, local: Local, which: int) -> Thing:
         rng = self._rng

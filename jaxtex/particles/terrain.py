@@ -1,9 +1,10 @@
 """What controls ask for where particles are sown, sampled over the plane once, so that it costs little to look up."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from itertools import accumulate
 from math import prod
+from random import Random
 from typing import NamedTuple
 
 import numpy as np
@@ -52,7 +53,6 @@ class Terrain:
 
     Attributes:
         largest: factor on footprints.
-        densest: the least factor on distances.
         furthest: pixels that centres keep.
         abundance: particles per area, as a factor: the mean over the plane.
         chances: how likely each member is chosen where `regions` of a `Local` are, those before it added.
@@ -82,7 +82,6 @@ class Terrain:
         samples = np.stack([*(getattr(effects, name) for name in Local._fields[:-1]), *regions], axis=-1)
         self._samples = samples.reshape(self._rows, self._columns, -1)
         self.largest = float((effects.spacing * (1 + effects.size_variation)).max())
-        self.densest = float(effects.spacing.min())
         self.furthest = float(effects.least_distance.max())
         self.abundance = float(np.mean(effects.spacing**-2))
         self.chances = lru_cache(_REMEMBERED)(self._add_up)
@@ -96,6 +95,23 @@ class Terrain:
             column, row = min(max(column, 0), self._columns - 1), min(max(row, 0), self._rows - 1)
         values = self._samples[row, column].tolist()
         return Local._make((*values[:6], tuple(values[6:])))
+
+    def throws(self, margin: float, rng: Random) -> Callable[[], tuple[float, float]]:
+        """What gives places at random, as often as particles are asked for there, up to a margin around the plane."""
+        across = np.linspace(0.0, self._plane.width, self._columns + 1)
+        down = np.linspace(0.0, self._plane.height, self._rows + 1)
+        for edges in (across, down):
+            edges[0] -= margin
+            edges[-1] += margin
+        spacing = self._samples[..., Local._fields.index("spacing")]
+        shares = np.cumsum(np.diff(down)[:, None] * np.diff(across)[None] / np.square(spacing))
+
+        def throw() -> tuple[float, float]:
+            cell = min(int(np.searchsorted(shares, rng.random() * shares[-1])), shares.size - 1)
+            row, column = divmod(cell, self._columns)
+            return rng.uniform(across[column], across[column + 1]), rng.uniform(down[row], down[row + 1])
+
+        return throw
 
     def _add_up(self, regions: tuple[float, ...]) -> tuple[float, ...]:
         """How likely each particle is chosen, those before it added."""
