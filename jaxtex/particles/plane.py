@@ -46,6 +46,15 @@ class Plane(NamedTuple):
             dy -= self.height * floor(dy / self.height + 0.5)
         return dx, dy
 
+    def turns_back(self, dx: float, dy: float) -> bool:
+        """Whether there is a shorter way than this one to where it leads.
+
+        Examples:
+            >>> Plane(100, 50, True).turns_back(10.0, 30.0), Plane(100, 50, False).turns_back(10.0, 30.0)
+            (True, False)
+        """
+        return self.periodic and (2 * abs(dx) > self.width or 2 * abs(dy) > self.height)
+
     def contains(self, x: float, y: float, reach: float = 0.0) -> bool:
         """Whether anything within `reach` of a place may be on it.
 

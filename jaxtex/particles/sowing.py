@@ -72,8 +72,7 @@ def sow_class(
             parent = queue.popleft()
             for way in ways(parent):
                 child = stock.step(parent, way)
-                as_there = child.thing.which == way.which and _is_plain(parent) and _is_plain(child)
-                known = (parent,) if as_there else ()
+                known = (parent,) if child.thing.which == way.which and _is_as_known(plane, parent, child, way) else ()
                 if _is_seen(plane, child) and not _is_taken(sowing, child, grid.near(child.x, child.y), known):
                     stock.settle()
                     grid.add(child.x, child.y, child)
@@ -147,18 +146,27 @@ def _stand_together(sowing: Sowing, group: Sequence[Companion], x: float, y: flo
     stock, placed = sowing.stock, list[Placed]()
     for which, dx, dy in group:
         # All are sought from the first.
-        way = Way(lambda _, way=(dx, dy): way, which)  # type: ignore[misc]
-        each = stock.step(placed[0], way) if placed else stock.stand(x, y, which)
-        known = [other for other in placed if _is_plain(other)] if _is_plain(each) and each.thing.which == which else []
+        each = stock.step(placed[0], _make_way(dx, dy, which)) if placed else stock.stand(x, y, which)
+        known = [
+            other
+            for other, companion in zip(placed, group, strict=False)
+            if (other.thing.which, each.thing.which) == (companion.which, which)
+            and _is_as_known(sowing.plane, other, each, _make_way(dx - companion.x, dy - companion.y, which))
+        ]
         if _is_taken(sowing, each, sowing.grid.near(each.x, each.y)) or _is_taken(sowing, each, placed, known):
             return []
         placed.append(each)
     return placed
 
 
-def _is_plain(placed: Placed) -> bool:
-    """Whether chance has made nothing else of it than it is in the picture."""
-    return placed.thing.scale == 1 and placed.thing.turn == 0
+def _make_way(dx: float, dy: float, which: int) -> Way:
+    return Way(lambda _: (dx, dy), which)
+
+
+def _is_as_known(plane: Plane, parent: Placed, child: Placed, way: Way) -> bool:
+    """Whether two are beside each other as in the picture: unchanged by chance, and not around the plane."""
+    unchanged = all(each.thing.scale == 1 and each.thing.turn == 0 for each in (parent, child))
+    return unchanged and not plane.turns_back(*(child.local.spacing * each for each in way.follow(child.thing.form)))
 
 
 def _is_seen(plane: Plane, placed: Placed) -> bool:
@@ -208,7 +216,6 @@ def _scattered_ways(rule: Scattered, rng: Random) -> Callable[[Placed], Iterator
     def ways(parent: Placed) -> Iterator[Way]:
         for _ in range(_TRIES):
             angle, distance = tau * rng.random(), rule.distances[pick(rng, len(rule.distances))]
-            way = (distance * cos(angle), distance * sin(angle))
-            yield Way(lambda form, way=way: way)  # type: ignore[misc]
+            yield _make_way(distance * cos(angle), distance * sin(angle), -1)
 
     return ways

@@ -125,8 +125,8 @@ def blend_masks(masks: Sequence[npt.ArrayLike], weights: npt.ArrayLike) -> Label
     if len(labels) != 2:
         return labels[np.argmax(above, axis=0)]
     most = np.sum(shares * [[[_allow_ragged(each == labels[1])]] for each in given], axis=0)
-    most[shares.max(axis=0) > 1 - _SUM] = np.inf  # masks that are alone stay as they are
-    return labels[keep_compact(above[1] > 0, most).astype(int)]
+    alone, blended = shares.max(axis=0) > 1 - _SUM, above[1] > 0
+    return labels[np.where(alone, blended, keep_compact(blended, most)).astype(int)]
 
 
 def blend_textures(

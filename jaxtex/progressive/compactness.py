@@ -57,8 +57,7 @@ def keep_compact(mask: npt.ArrayLike, most: npt.ArrayLike) -> Mask:
 
     Args:
         mask: bool [row, col].
-        most: how ragged elements may be by `measure_raggedness`, the mean over each, [row, col]; infinite where they
-            are to stay as they are.
+        most: how ragged elements may be by `measure_raggedness`, the mean over each, [row, col].
 
     Returns:
         bool [row, col]. Some may still be too ragged: rings, and what is as wide all along.
@@ -92,7 +91,8 @@ def keep_compact(mask: npt.ArrayLike, most: npt.ArrayLike) -> Mask:
 def _find_ragged(mask: Mask, limit: Floats) -> tuple[Numbers, Mask]:
     """Elements, numbered from 1, and which of them are too ragged, [1 + element]."""
     elements, count = ndimage.label(mask)
-    return elements, measure_raggedness(elements) > ndimage.mean(limit, elements, np.arange(count + 1))
+    limits = ndimage.mean(limit, elements, np.arange(1, count + 1))
+    return elements, measure_raggedness(elements) > np.append(np.inf, limits)
 
 
 def _part(mask: Mask, limit: Floats) -> Mask:
