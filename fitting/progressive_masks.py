@@ -55,7 +55,7 @@ def mask_lit(picture: Floats, tolerance: float, opened: float) -> Labels:
     """All but dark gaps: what is farther than a tolerance (CIE Lab) from black, without bridges, specks and holes."""
     linear = srgb_to_linear(picture)
     gaps = jt.pick_texton_mask(linear, [jt.ColourPick(np.zeros(linear.shape[2]), tolerance)])
-    lit = texton_masks.open_texton_mask(texton_masks.invert_texton_mask(gaps), opened)
+    lit = texton_masks.refine_texton_mask(texton_masks.invert_texton_mask(gaps), "open", opened)
     return texton_masks.fill_texton_mask(texton_masks.despeckle_texton_mask(lit, 60))
 
 
