@@ -5,14 +5,13 @@ python benchmarks/neighbourhoods.py --only ashikhmin
 """
 
 import argparse
-from collections.abc import Callable
 from typing import Any
 
 import jax
 import numba_ashikhmin as plain
 import numpy as np
 from pictures import brick_wall
-from timing import Result, Row, clock, show, write_report
+from timing import Result, Row, clock, clock_in_turn, show, write_report
 
 from jaxtex.synthesis.ashikhmin import synthesise_ashikhmin
 from jaxtex.synthesis.nearest import find_similar
@@ -37,11 +36,6 @@ def main() -> None:
 
 def bricks(size: int) -> np.ndarray:
     return np.sqrt(brick_wall(2 * size)[:size, :size])
-
-
-def clock_in_turn(*works: Callable[[], Any], turns: int) -> list[float]:
-    """The same of several that are to be compared: whatever else the machine does meets all of them."""
-    return [min(times) for times in zip(*([clock(work, 1) for work in works] for _ in range(turns)), strict=True)]
 
 
 def make(exemplar: np.ndarray, size: int, **options: Any) -> np.ndarray:

@@ -7,8 +7,6 @@ import argparse
 import resource
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 import numpy_solid
 from heeger_bergen import granite
-from timing import Result, Row, show, write_report
+from timing import Result, Row, clock, clock_in_turn, show, write_report
 
 from jaxtex.material.solid import evaluate_solid
 from jaxtex.models.solid import make_solid
@@ -43,17 +41,6 @@ def main() -> None:
     results = [time_iteration(), time_methods(), weight, time_points()]
     show(results)
     write_report("solid", "Speed of solid textures", results)
-
-
-def clock(*works: Callable[[], Any], turns: int = 5) -> list[float]:
-    """Seconds of the quickest turn of each, in turn, after one that compiles."""
-    times: list[list[float]] = [[] for _ in works]
-    for _ in range(turns + 1):
-        for work, taken in zip(works, times, strict=True):
-            began = time.perf_counter()
-            work()
-            taken.append(time.perf_counter() - began)
-    return [min(taken[1:]) for taken in times]
 
 
 @jax.jit
@@ -85,7 +72,9 @@ def time_iteration() -> Result:
 
         apart = float(np.abs(np.asarray(ours()) - theirs()).mean() / theirs().std())
         assert apart < 0.02, f"the two blocks differ by {apart}"
-        took, bare, numpy = clock(ours, lambda noise=noise: jax.block_until_ready(transform(noise)), theirs)
+        took, bare, numpy = clock_in_turn(
+            ours, lambda noise=noise: jax.block_until_ready(transform(noise)), theirs, turns=5
+        )
         rows.append((f"{side}³", f"{took:.3f}", f"{took / bare:.1f}", f"{numpy / took:.1f}"))
     head = ("block, RGB", "jaxtex, s", "against the bare transforms", "NumPy against jaxtex")
     return "One iteration, three axes, warm", head, rows
@@ -95,7 +84,7 @@ def time_methods() -> Result:
     rows: list[Row] = []
     for side in (64, 128):
         views = dict.fromkeys(AXES, granite(2 * side))
-        relaxed, optimised = clock(
+        relaxed, optimised = clock_in_turn(
             lambda views=views, side=side: relax_solid(views, side, key=KEY),
             lambda views=views, side=side: optimise_solid(views, side, key=KEY),
             turns=2,
@@ -120,7 +109,7 @@ def time_points() -> Result:
     rows: list[Row] = []
     for name, seed in (("as it is", None), ("at random offsets", 0)):
         solid = make_solid(np.random.default_rng(1).random((128, 128, 128, 3), np.float32), offsets_seed=seed)
-        took = clock(lambda solid=solid: evaluate_solid(solid, points), turns=3)[0]
+        took = clock(lambda solid=solid: evaluate_solid(solid, points))
         rows.append((name, f"{1 / took:.1f}"))
     return "Colours of a million points of 128³, warm", ("repeated", "Mpoint/s"), rows
 

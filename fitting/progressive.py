@@ -4,12 +4,17 @@
 
 FOLDER holds photographs; coats of a leopard and a tiger are grown by `reaction_diffusion.py`.
 
+figure_2   a texture that varies, another made of it without its directions being known, and with; fields above both
+figure_3   things made smaller to the right, each beside its exemplar
 figure_5   a tiger's stripes made thinner to the right, along rows alone: exemplar, mask, mask warped, texture
 figure_6   a leopard's rosettes become spots: light areas shrink together, and then those between rosettes widen
 warping    elements scaled, turned and moved about their centres, and a mask bent by a mesh
 figure_7   blending: Wei's mixture, ours, with masks averaged alike everywhere, cross-faded; below, three textures
 figure_8   masks of figure 7: M0 and M1; the paper's M, that blurred, that thresholded; ours; averaged likewise
-OUT/blending.md tells what blends of figure 7 measure.
+figure_10  exemplar and mask; more of either alone; more of both together
+figure_11  exemplars, their masks, and what is made with these; the last mask is painted, with two kinds of elements
+figure_13  two masks of each exemplar, and what is made with either
+OUT/blending.md (`--only blending`) tells what blends of figure 7 measure.
 """
 
 import argparse
@@ -22,38 +27,20 @@ os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 
 import jax
 import numpy as np
-import numpy.typing as npt
 from progressive_blending import blend_labels, going_beyond, kept_edges, measure_blend, mix_textures, turning_back
-from reaction_diffusion import grow_leopard, grow_tiger
+from progressive_exemplars import KEY, Floats, Labels, draw_mask, read_exemplar
+from progressive_fields import draw_figure_2, draw_figure_3
+from progressive_masks import draw_figure_10, draw_figure_11, draw_figure_13
 from tables import make_table
 
 import jaxtex as jt
-from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
+from jaxtex.core.colour import srgb_to_linear
 from jaxtex.io.files import atomic_write_text, prepare_folder
 from jaxtex.progressive.blending import lay_out_mask
 from jaxtex.synthesis.anisometric import sample_sources
 
-SIDE = 256  # pixels of an exemplar that are used
 BLEND_SIZE, BLEND_BORDER = (160, 448), 64  # rows and columns of a blend; columns at either end of one texture alone
 PAIRS = ("tiger", "leopard"), ("pebbles_coloured.jpg", "coffee_beans.jpg"), ("reptile_skin.png", "cheese_holes.png")
-KEY = jax.random.key(0)
-
-Floats = npt.NDArray[np.floating]
-Labels = npt.NDArray[np.uint8]
-
-
-@cache
-def read_exemplar(folder: Path, name: str) -> tuple[Floats, Labels]:
-    """Encoded, of three channels, and its texton mask."""
-    if name in ("leopard", "tiger"):
-        coat = grow_leopard(KEY) if name == "leopard" else grow_tiger(KEY)
-        return linear_to_srgb(coat.pixels), coat.mask
-    pixels = jt.read_image(folder / name).pixels[:SIDE, :SIDE]
-    return np.broadcast_to(linear_to_srgb(pixels), (*pixels.shape[:2], 3)), jt.propose_texton_mask(pixels)
-
-
-def draw_mask(mask: npt.NDArray) -> Floats:
-    return np.repeat(mask[..., None] / max(1, mask.max()), 3, axis=2)
 
 
 def filtered(exemplar: Floats, mask: Labels, wanted: Labels) -> Floats:
@@ -197,11 +184,16 @@ def tell_blending(folder: Path) -> str:
 
 
 FIGURES: dict[str, Callable[[Path], Floats]] = {
+    "figure_2": draw_figure_2,
+    "figure_3": draw_figure_3,
     "figure_5": draw_figure_5,
     "figure_6": draw_figure_6,
     "warping": draw_warping,
     "figure_7": draw_figure_7,
     "figure_8": draw_figure_8,
+    "figure_10": draw_figure_10,
+    "figure_11": draw_figure_11,
+    "figure_13": draw_figure_13,
 }
 
 

@@ -1,41 +1,14 @@
-"""Figures 2 and 3 of J. Zhang et al., "Synthesis of Progressively-Variant Textures on Arbitrary Surfaces" (SIGGRAPH
-2003): textures that vary by fields, and others made of these.
+"""Figures 2 and 3 of Zhang et al., drawn by `progressive.py`: textures that vary by fields, and one made of another."""
 
-    python fitting/progressive_fields.py FOLDER -o OUT
-
-FOLDER holds pictures of reptile skin and coffee beans. OUT/figure_3.png has them with their things made smaller to the
-right, OUT/figure_2.png a texture that varies in scale and direction with another made of it: without its own directions
-being known, and with.
-"""
-
-import argparse
-import os
-from collections.abc import Sequence
 from pathlib import Path
 
-os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
-
-import jax
 import numpy as np
-import numpy.typing as npt
+from progressive_exemplars import KEY, SIDE, Floats, read_picture
 
-import jaxtex as jt
-from jaxtex.core.colour import linear_to_srgb, srgb_to_linear
-from jaxtex.io.files import prepare_folder
 from jaxtex.synthesis.anisometric import Transition, make_frames, sample_sources, synthesise_anisometric
 
 EXEMPLARS = "reptile_skin.png", "coffee_beans.jpg"
-SIDE = 256  # pixels of an exemplar that are used
 SMALLEST = 0.45  # times as large as in the exemplar
-KEY = jax.random.key(0)
-
-Floats = npt.NDArray[np.floating]
-
-
-def read_exemplar(folder: Path, name: str) -> Floats:
-    """Encoded, of three channels."""
-    picture = linear_to_srgb(jt.read_image(folder / name).pixels[:SIDE, :SIDE])
-    return np.broadcast_to(picture, (*picture.shape[:2], 3))
 
 
 def vary(exemplar: Floats, scale: Floats, orientation: Floats) -> Floats:
@@ -47,7 +20,7 @@ def draw_figure_3(folder: Path) -> Floats:
     """Things made smaller to the right, each beside its exemplar."""
     rows = []
     for name in EXEMPLARS:
-        exemplar = read_exemplar(folder, name)
+        exemplar = read_picture(folder, name)
         scale = np.geomspace(1.2, SMALLEST, 2 * SIDE)[None].repeat(SIDE, axis=0)
         rows.append(np.concatenate([exemplar, np.ones((SIDE, 8, 3)), vary(exemplar, scale, 0 * scale)], axis=1))
     return np.concatenate(rows)
@@ -59,7 +32,7 @@ def draw_figure_2(folder: Path) -> Floats:
     down, right = np.indices((SIDE, SIDE)) / (SIDE - 1)
     far, turn = right, np.radians(100) * right
     size = SMALLEST ** (0.7 * far)
-    varying = vary(read_exemplar(folder, EXEMPLARS[0]), size, turn)
+    varying = vary(read_picture(folder, EXEMPLARS[0]), size, turn)
     wanted_far, wanted_turn = down, np.radians(60) * (right - down)
     wanted = SMALLEST ** (0.7 * wanted_far), wanted_turn
     made = []
@@ -86,17 +59,3 @@ def draw_fields(transition: Floats, orientation: Floats, apart: int = 32) -> Flo
             place = np.rint([row, column] + along * [np.sin(angle), np.cos(angle)]).astype(int)
             drawn[place[:, 0], place[:, 1]] = 0.8, 0.2, 0.1
     return drawn
-
-
-def main(words: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, help="pictures, by the names that the script tells")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT", help="folder for what is made")
-    options = parser.parse_args(words)
-    prepare_folder(options.output)
-    for name, draw in (("figure_3", draw_figure_3), ("figure_2", draw_figure_2)):
-        jt.write_image(options.output / f"{name}.png", srgb_to_linear(np.clip(draw(options.folder), 0, 1)))
-
-
-if __name__ == "__main__":
-    main()

@@ -175,6 +175,7 @@ if TYPE_CHECKING:
     from jaxtex.progressive.mask_proposal import propose_texton_mask as propose_texton_mask
     from jaxtex.progressive.masked import mark_elements as mark_elements
     from jaxtex.progressive.masked import synthesise_masked as synthesise_masked
+    from jaxtex.progressive.normal_maps import turn_normals as turn_normals
     from jaxtex.progressive.plots import overlay_texton_mask as overlay_texton_mask
     from jaxtex.progressive.plots import plot_orientation as plot_orientation
     from jaxtex.progressive.plots import plot_scalar as plot_scalar
@@ -367,6 +368,7 @@ _PUBLIC = {
     "propose_texton_mask": "jaxtex.progressive.mask_proposal",
     "mark_elements": "jaxtex.progressive.masked",
     "synthesise_masked": "jaxtex.progressive.masked",
+    "turn_normals": "jaxtex.progressive.normal_maps",
     "overlay_texton_mask": "jaxtex.progressive.plots",
     "plot_orientation": "jaxtex.progressive.plots",
     "plot_scalar": "jaxtex.progressive.plots",

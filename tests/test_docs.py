@@ -1,6 +1,8 @@
 """What the documents say about the tree is true."""
 
 import re
+import shlex
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -24,11 +26,20 @@ def test_links_between_documents_lead_somewhere(document: Path) -> None:
     assert [link for link in links if "//" not in link and not (document.parent / link).exists()] == []
 
 
-def test_the_commands_in_the_readme_are_there() -> None:
+def test_the_commands_in_the_readme_can_be_given() -> None:
     from jaxtex.cli.main import COMMANDS
+    from jaxtex.cli.usage import parse
 
-    shown = set(
-        re.findall(r"^    jaxtex (\w[\w-]*(?: tiling| wood)?)", (ROOT / "README.md").read_text(encoding="utf-8"), re.M)
-    )
+    lines = re.findall(r"^    jaxtex (.+)", (ROOT / "README.md").read_text(encoding="utf-8"), re.M)
+    shown = set()
+    for words in (shlex.split(line, comments=True) for line in lines):
+        if words[1:] == ["--help"]:
+            assert words[0] in {each.words.split()[0] for each in COMMANDS}
+            continue
+        command = next(each for each in COMMANDS if words[: each.words.count(" ") + 1] == each.words.split())
+        module, _, name = command.target.partition(":")
+        arguments = words[command.words.count(" ") + 1 :]
+        assert parse(getattr(import_module(module), name), prog=command.words, arguments=arguments) is not None
+        shown.add(command.words)
     assert {"fit tiling", "fit wood", "render", "info", "demo"} <= shown
-    assert shown <= {command.words for command in COMMANDS} | {command.words.split()[0] for command in COMMANDS}
+    assert {"vary distort", "vary warp", "vary blend"} <= shown

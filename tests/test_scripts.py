@@ -352,3 +352,22 @@ def test_elements_that_are_copied_in_one_piece_are_whole(script: ModuleType) -> 
     broken[parted] = (broken[parted] + np.array([32, 0])) % 128
     assert script.share_whole(mask, (there + 8) % 128) == 1
     assert script.share_whole(mask, broken) == 0.5
+
+
+@pytest.mark.parametrize("script", ["progressive_masks"], indirect=True)
+def test_what_is_lit_is_marked_without_bridges_and_holes(script: ModuleType) -> None:
+    row, column = np.indices((80, 80)) % 40 - 20
+    things = np.hypot(row, column) < 14
+    seen = things & ~((np.abs(row) < 2) & (np.abs(column) < 2)) | (row == 0)  # a hole in each, a thread between them
+    mask = script.mask_lit(seen[..., None].repeat(3, axis=2) * 0.8, 40, 3)
+    assert (mask != things).mean() < 0.03
+    assert ndimage.label(mask)[1] == 4
+
+
+@pytest.mark.parametrize("script", ["progressive_masks"], indirect=True)
+def test_ellipses_are_painted_where_they_are_told(script: ModuleType) -> None:
+    mask = script.paint((((100, 60, 20, 10), (200, 200, 5, 5)), ((110, 60, 5, 5),)))
+    assert (mask == 2).sum() == pytest.approx(25 * np.pi, rel=0.05)
+    assert (mask == 1).sum() == pytest.approx((200 + 25 - 25) * np.pi, rel=0.05)
+    assert (mask[60, [79, 81, 104, 106, 119, 121]] == [0, 1, 1, 2, 1, 0]).all()
+    assert (mask[[49, 51, 69, 71], 100] == [0, 1, 1, 0]).all()

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from jaxtex.cli.other_maps import name_maps
 from jaxtex.cli.progress import reporting
 from jaxtex.cli.synth_methods import encode, start_method, white_of
 from jaxtex.cli.values import check_memory, cut_rectangle
@@ -54,7 +55,8 @@ def make_of_copies(options: "Synth", size: tuple[int, int] | None, rectangles: l
     if size is not None:
         check_memory(f"--size: {size[0]}x{size[1]}", _LEAST_MEMORY * size[0] * size[1])
     exemplar = _read_exemplar(options.exemplar, rectangles)
-    maps = _name_maps(options, exemplar)
+    _check_outputs(options)
+    maps = name_maps({"--also": options.also}, options.exemplar, exemplar.size, options.output)
     steps = start_method(options, exemplar.encoded, exemplar.white, size, jax.random.key(options.seed))
     sources = _watch(options, exemplar, steps)
     rows, columns = np.moveaxis(sources + np.array(exemplar.corner), -1, 0)
@@ -118,33 +120,15 @@ def _read_exemplar(path: Path, rectangles: list[Rectangle]) -> _Exemplar:
     return _Exemplar(pixels[inside], white, (inside[0].start, inside[1].start), size)
 
 
-def _name_maps(options: "Synth", exemplar: _Exemplar) -> list[tuple[Path, Path]]:
-    """The other maps, and the file that each is written to; all files are known to be writable then."""
+def _check_outputs(options: "Synth") -> None:
+    """All files are known to be writable then, but for the other maps'."""
     from jaxtex.io.copies import check_copies
-    from jaxtex.io.raster import read_raster
 
     check_copies(options.exemplar, options.output)
     if options.preview is not None:
         check_copies(options.exemplar, options.preview)
         if options.preview.resolve() in {each.resolve() for each in (options.exemplar, options.output, *options.also)}:
             raise InputError(f"--preview: {options.preview} would be written over; give another name")
-    maps: list[tuple[Path, Path]] = []
-    for path in options.also:
-        height, width = read_raster(path).numbers.shape[:2]
-        if (width, height) != exemplar.size:
-            told = f"{exemplar.size[0]} x {exemplar.size[1]}"
-            raise InputError(f"--also: {path} is {width} x {height} pixels, and the exemplar is {told}; give one size")
-        output = options.output.with_name(f"{options.output.stem}_{path.stem}{path.suffix}")
-        if output in [each for _, each in maps]:
-            raise InputError(f"--also: two maps would be written to {output}; rename one of them")
-        inputs = {each.resolve() for each in options.also}
-        if options.output.resolve() in inputs or output.resolve() in {options.exemplar.resolve(), *inputs}:
-            raise InputError(
-                f"--also: {path}, another map or the exemplar would be written over; give another --output"
-            )
-        check_copies(path, output)
-        maps.append((path, output))
-    return maps
 
 
 def _watch(options: "Synth", exemplar: _Exemplar, steps: Iterator["Step"]) -> "Sources":

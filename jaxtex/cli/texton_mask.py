@@ -113,12 +113,12 @@ class TextonMask:
             mask = texton_masks.despeckle_texton_mask(mask, self.despeckle)
         if self.fill:
             mask = texton_masks.fill_texton_mask(mask)
-        steps = (
-            (texton_masks.close_texton_mask, self.close),
-            (texton_masks.open_texton_mask, self.open),
-            (texton_masks.dilate_texton_mask, self.dilate),
-            (texton_masks.erode_texton_mask, self.erode),
+        steps: tuple[tuple[texton_masks.Operation, float], ...] = (
+            ("close", self.close),
+            ("open", self.open),
+            ("dilate", self.dilate),
+            ("erode", self.erode),
         )
-        for step, radius in steps:
-            mask = step(mask, radius) if radius else mask
+        for operation, radius in steps:
+            mask = texton_masks.refine_texton_mask(mask, operation, radius) if radius else mask
         return mask

@@ -1,5 +1,6 @@
 """`jaxtex vary blend`: a texture that becomes another, elements and colours together."""
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 _DARKEST = 1e-3  # of weights that are summed up
+_CLEAR = 5.0  # steps of CIE Lab lightness by which elements are clearly lighter or darker than what is around them
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +37,8 @@ class VaryBlend:
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """The picture to write: .png, .jpg, .tif or .exr."""
     masks: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="MASK MASK [...]")]
-    """Their texton masks, in the same order: each of its exemplar's size, all with the same types of elements."""
+    """Their texton masks, in the same order: each of its exemplar's size, all with the same types of elements. Elements
+    of one become elements of the next; where these are dark in one and light in the other, contrast is lost halfway."""
     size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint="")] = None
     """Its size in pixels. By default that of the smallest exemplar."""
     transition: Annotated[Path | None, tyro.conf.arg(metavar="PICTURE", help_behavior_hint="")] = None
@@ -71,6 +74,7 @@ class VaryBlend:
         smallest = min(each.shape[1] for each in pictures), min(each.shape[0] for each in pictures)
         size = smallest if self.size is None else varying.parse_made_size(self.size)
         weights = self._read_weights(size)
+        self._hint(pictures, masks)
         texture, mask = self._blend(pictures, masks, weights, radius)
 
         import numpy as np
@@ -100,6 +104,20 @@ class VaryBlend:
         for path, each in zip(self.masks[1:], types[1:], strict=True):
             if each != types[0]:
                 raise InputError(f"{path}: has types {each}, and {self.masks[0]} {types[0]}; give them the same types")
+
+    def _hint(self, pictures: list["np.ndarray"], masks: list["np.ndarray"]) -> None:
+        """Tell of elements that are dark in one texture and light in another: halfway they look like their ground."""
+        from jaxtex.progressive.texton_masks import measure_contrast
+
+        contrasts = [measure_contrast(*each) for each in zip(pictures, masks, strict=True)]
+        dark, light = contrasts.index(min(contrasts)), contrasts.index(max(contrasts))
+        if contrasts[dark] < -_CLEAR and contrasts[light] > _CLEAR:
+            print(
+                f"jaxtex: hint: elements are darker than what is around them in {self.exemplars[dark]} and lighter in "
+                f"{self.exemplars[light]}, so they fade halfway; if a mask marks gaps, turn it round: jaxtex "
+                f"texton-mask EXEMPLAR --painted MASK --invert -o OTHER",
+                file=sys.stderr,
+            )
 
     def _read_weights(self, size: tuple[int, int]) -> "np.ndarray":
         """[texture, row, col]."""

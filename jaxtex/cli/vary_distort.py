@@ -1,8 +1,9 @@
 """`jaxtex vary distort`: a texture whose things are as large, and lie as, fields say."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import tyro
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from jaxtex.io.images import Image
+    from jaxtex.progressive.varying import VaryingTexture
 
 _LEAST_SCALE, _MOST_SCALE = 0.125, 16.0
 _LEAST_MEMORY = 400  # bytes that each pixel of the result takes
@@ -32,7 +34,7 @@ class VaryDistort:
 
     Example: jaxtex vary distort coins.png -o piles.png --size 768x256 --scale size.exr --texton-mask coins_mask.png
 
-    Example: jaxtex vary distort bricks.png -o slanted.png --orientation 30 --scale 0.5
+    Example: jaxtex vary distort bricks.png -o slanted.png --orientation 30 --also rough.png --normals normal.png
     """
 
     exemplar: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="EXEMPLAR")]
@@ -52,6 +54,11 @@ class VaryDistort:
     texton_mask: Annotated[Path | None, tyro.conf.arg(metavar="MASK", help_behavior_hint="")] = None
     """A mask of the exemplar's size that marks its elements, so that these do not break: two to four values, each for
     one type of element or the ground."""
+    also: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="MAP ...", help_behavior_hint="")] = ()
+    """Other maps of the exemplar's material and size (height, roughness, ...), of any depth. The same is made of the
+    numbers in each, in OUTPUT_MAP beside the output: made.png and height.png make made_height.png."""
+    normals: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="MAP ...", help_behavior_hint="")] = ()
+    """Likewise maps of normals, whose directions turn as things do: x right in red, y up in green (OpenGL's)."""
     tileable: bool = False
     """Make it repeat seamlessly; the fields must do so, too."""
     neighborhood: int = 7
@@ -63,43 +70,40 @@ class VaryDistort:
 
     def run(self) -> int:
         from jaxtex.cli.values import check_memory, check_seed, parse_size
+        from jaxtex.cli.varying import check_neighborhood
         from jaxtex.io.images import read_image
-        from jaxtex.synthesis.anisometric import make_frames, sample_sources
 
         check_seed(self.seed)
-        self._check()
+        radius = check_neighborhood(self.neighborhood)
+        if self.keys is not None and (self.scale is not None or self.orientation is not None):
+            raise InputError("--keys: tells scale and orientation already; leave out --scale and --orientation")
         image = read_image(self.exemplar)
+        maps = self._name_maps(image)
         size = (image.width, image.height) if self.size is None else parse_size("--size", self.size)
         check_memory(f"--size: {size[0]}x{size[1]}", _LEAST_MEMORY * size[0] * size[1])
         scale, orientation = self._read_fields(size)
         self._check_neighbourhoods(image, float(scale.min()), float(scale.max()))
-        angles = _angles_of(orientation)
-        sources = self._synthesise(image, scale, angles)
-        frames = make_frames(scale, angles)
-        made = sample_sources(_with_alpha(image), sources, frames)
-        self._write(image, made)
-        if self.save is not None:
-            self._save(made[..., : image.pixels.shape[2]], sources, scale, orientation)
-        print(f"{self.output}: {size[0]} x {size[1]} pixels" + (", tileable" if self.tileable else ""))
+        sources = self._synthesise(image, scale, _angles_of(orientation), radius)
+        self._write(image, _Made(sources, scale, orientation), maps)
         return 0
 
-    def _check(self) -> None:
+    def _name_maps(self, image: "Image") -> list[tuple[Path, Path]]:
+        """Other maps, and the files that they are written to; all files are known to be writable then."""
+        from jaxtex.cli.other_maps import name_maps
+        from jaxtex.cli.varying import check_names
         from jaxtex.io.copies import check_copies
+        from jaxtex.io.raster import read_raster
 
-        if self.neighborhood not in range(3, 22, 2):
-            raise InputError(f"--neighborhood: {self.neighborhood} is none; give an odd number from 3 to 21, as 5 or 7")
-        if self.keys is not None and (self.scale is not None or self.orientation is not None):
-            raise InputError("--keys: tells scale and orientation already; leave out --scale and --orientation")
-        inputs = [
-            self.exemplar,
-            self.keys,
-            self.texton_mask,
-            *(Path(word) for word in (self.scale, self.orientation) if word),
-        ]
-        for output in (self.output, self.save):
-            if output is not None and output.resolve() in [each.resolve() for each in inputs if each]:
-                raise InputError(f"{output}: would be written over, and is read; give another name")
         check_copies(self.exemplar, self.output)
+        others = {"--also": self.also, "--normals": self.normals}
+        maps = name_maps(others, self.exemplar, (image.width, image.height), self.output)
+        fields = [Path(word) for word in (self.scale, self.orientation) if word]
+        inputs = [self.exemplar, self.keys, self.texton_mask, *fields, *self.also, *self.normals]
+        check_names(inputs, [self.output, self.save, *(made for _, made in maps)])
+        for path in self.normals:
+            if len(read_raster(path).channels) < 3:
+                raise InputError(f"--normals: {path} has fewer than three channels; give x, y and z")
+        return maps
 
     def _read_fields(self, size: tuple[int, int]) -> tuple["np.ndarray", "np.ndarray"]:
         """Scale [row, col] and orientation (x, y), [row, col, 2]."""
@@ -139,7 +143,7 @@ class VaryDistort:
                 f"x {self.neighborhood}; give a larger picture, or a smaller --neighborhood"
             )
 
-    def _synthesise(self, image: "Image", scale: "np.ndarray", angles: "np.ndarray") -> "np.ndarray":
+    def _synthesise(self, image: "Image", scale: "np.ndarray", angles: "np.ndarray", radius: int) -> "np.ndarray":
         import jax
 
         from jaxtex.cli.synth_methods import encode
@@ -155,7 +159,7 @@ class VaryDistort:
             scale,
             angles,
             key=jax.random.key(self.seed),
-            radius=self.neighborhood // 2,
+            radius=radius,
             tileable=self.tileable,
         )
         with reporting(f"making {self.output}") as report:
@@ -163,31 +167,80 @@ class VaryDistort:
                 report(step.done, step.total)
         return step.sources
 
-    def _write(self, image: "Image", made: "np.ndarray") -> None:
-        import numpy as np
+    def _write(self, image: "Image", made: "_Made", maps: list[tuple[Path, Path]]) -> None:
+        from collections.abc import Callable
 
+        from jaxtex.cli.files import write_together
         from jaxtex.io.copies import write_as_deep
         from jaxtex.io.raster import read_raster
+        from jaxtex.progressive.varying import write_varying
 
-        if image.alpha is not None:
-            cover = made[..., -1:]
-            colours = np.divide(made[..., :-1], cover, out=np.zeros_like(made[..., :-1]), where=cover > 0)
-            made = np.concatenate([colours, cover], axis=2)
-        write_as_deep(read_raster(self.exemplar), self.output, made)
+        picture = made.show(_with_alpha(image))
+        deep = read_raster(self.exemplar)
+        writers: dict[Path, Callable[[Path], None]] = {
+            self.output: lambda path: write_as_deep(deep, path, _without_alpha(image, picture))
+        }
+        for source, output in maps:
+            writers[output] = partial(_write_map, source, made=made, turns=source in self.normals)
+        if self.save is not None:
+            varying = self._gather(picture[..., : image.pixels.shape[2]], made)
+            writers[self.save] = lambda path: write_varying(path, varying)
+        write_together(writers)
+        told = f"{picture.shape[1]} x {picture.shape[0]} pixels" + (", tileable" if self.tileable else "")
+        for output in (self.output, *(output for _, output in maps)):
+            print(f"{output}: {told}")
+        if self.save is not None:
+            print(f"{self.save}: texture, {'mask, ' if self.texton_mask else ''}scale and orientation")
 
-    def _save(self, made: "np.ndarray", sources: "np.ndarray", scale: "np.ndarray", orientation: "np.ndarray") -> None:
+    def _gather(self, texture: "np.ndarray", made: "_Made") -> "VaryingTexture":
         import numpy as np
 
         from jaxtex.progressive.texton_masks import read_texton_mask
-        from jaxtex.progressive.varying import VaryingTexture, write_varying
+        from jaxtex.progressive.varying import VaryingTexture
 
         mask = None
         if self.texton_mask is not None:
-            row, column = np.moveaxis(np.rint(sources).astype(int), -1, 0)
+            row, column = np.moveaxis(np.rint(made.sources).astype(int), -1, 0)
             mask = read_texton_mask(self.texton_mask)[row, column]
-        assert self.save is not None
-        write_varying(self.save, VaryingTexture.of(made, mask=mask, orientation=orientation, scale=scale))
-        print(f"{self.save}: texture, {'mask, ' if mask is not None else ''}scale and orientation")
+        return VaryingTexture.of(texture, mask=mask, orientation=made.orientation, scale=made.scale)
+
+
+class _Made(NamedTuple):
+    """What comes from where.
+
+    Attributes:
+        sources: (row, col) of the exemplar, between pixels too, [row, col, 2].
+        scale: [row, col].
+        orientation: (x, y), [row, col, 2].
+    """
+
+    sources: "np.ndarray"
+    scale: "np.ndarray"
+    orientation: "np.ndarray"
+
+    def show(self, picture: "np.ndarray") -> "np.ndarray":
+        """The same of the exemplar or of another map of it, [row, col, channel]."""
+        from jaxtex.synthesis.anisometric import make_frames, sample_sources
+
+        return sample_sources(picture, self.sources, make_frames(self.scale, _angles_of(self.orientation)))
+
+
+def _write_map(source: Path, output: Path, *, made: _Made, turns: bool) -> None:
+    import numpy as np
+
+    from jaxtex.io.copies import write_like
+    from jaxtex.progressive.normal_maps import turn_normals
+
+    def show(numbers: "np.ndarray") -> "np.ndarray":
+        shown = made.show(numbers)
+        if turns:  # integers, and floats of which none is below 0, stand for -1 to 1
+            most = np.iinfo(numbers.dtype).max if np.issubdtype(numbers.dtype, np.integer) else 1
+            half, middle = (1, 0) if numbers.min() < 0 else (most / 2, most / 2)
+            turned = turn_normals((shown[..., :3] - middle) / half, _angles_of(made.orientation))
+            shown[..., :3] = middle + half * turned
+        return shown
+
+    write_like(source, output, show)
 
 
 def _number(word: str) -> float | None:
@@ -231,3 +284,14 @@ def _with_alpha(image: "Image") -> "np.ndarray":
         return image.pixels
     cover = image.alpha[..., None]
     return np.concatenate([image.pixels * cover, cover], axis=2)
+
+
+def _without_alpha(image: "Image", made: "np.ndarray") -> "np.ndarray":
+    """Colours that are multiplied by alpha no more, and alpha, where the exemplar has one."""
+    import numpy as np
+
+    if image.alpha is None:
+        return made
+    cover = made[..., -1:]
+    colours = np.divide(made[..., :-1], cover, out=np.zeros_like(made[..., :-1]), where=cover > 0)
+    return np.concatenate([colours, cover], axis=2)

@@ -1,4 +1,4 @@
-"""What the commands of `jaxtex vary` that filter texton masks have in common."""
+"""What the commands of `jaxtex vary` have in common."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING

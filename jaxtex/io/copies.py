@@ -1,5 +1,6 @@
-"""Pictures whose pixels are copied from those of another, number by number: nothing is decoded, rounded or lost."""
+"""Pictures made of the numbers of another, as deep as it: those that are copied are not decoded, rounded or lost."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -84,25 +85,51 @@ def write_copies(picture: Path | str, output: Path | str, rows: np.ndarray, colu
         array([[1., 0.],
                [0., 1.]], dtype=float32)
     """
+
+    def copy(numbers: np.ndarray) -> np.ndarray:
+        height, width = numbers.shape[:2]
+        if rows.min() < 0 or columns.min() < 0 or rows.max() >= height or columns.max() >= width:
+            raise InputError(f"{picture}: is {width} x {height} pixels, and pixels beyond are to be copied")
+        return numbers[rows, columns]
+
+    write_like(picture, output, copy)
+
+
+def write_like(picture: Path | str, output: Path | str, make: Callable[[np.ndarray], np.ndarray]) -> None:
+    """Write a picture made of another one's numbers, with all that `write_copies` keeps, whole or not at all.
+
+    Args:
+        picture, output: as there.
+        make: from the numbers [row, col, channel] as they stand in the file to those to be written, of any size, which
+            are rounded where the file holds integers.
+
+    Raises:
+        InputError: the picture cannot be read, or the file not written.
+
+    Examples:
+        >>> write_image("height.png", np.array([[0.0, 0.5]]), bits=16, colour_space="data")
+        >>> write_like("height.png", "mean.png", lambda numbers: numbers.mean(axis=1, keepdims=True))
+        >>> read_raster("mean.png").numbers.ravel()
+        array([16384], dtype=uint16)
+    """
     picture, output = Path(picture), Path(output)
     raster = read_raster(picture)
-    height, width = raster.numbers.shape[:2]
-    if rows.min() < 0 or columns.min() < 0 or rows.max() >= height or columns.max() >= width:
-        raise InputError(f"{picture}: is {width} x {height} pixels, and pixels beyond are to be copied")
     if not _holds(output.suffix.lower(), raster, picture.suffix.lower()):
         image = read_image(picture)
         pixels = image.pixels if image.alpha is None else np.concatenate([image.pixels, image.alpha[..., None]], axis=2)
-        write_as_deep(raster, output, pixels[rows, columns])
+        write_as_deep(raster, output, make(pixels))
         return
-    kind = {"float32": "float"}.get(raster.numbers.dtype.name, raster.numbers.dtype.name)
+    made, kind = make(raster.numbers), raster.numbers.dtype
+    if made.dtype != kind and kind != np.float32:
+        made = np.clip(np.rint(made), 0, np.iinfo(kind).max)
     with writing_raster(
         output,
-        size=(rows.shape[1], rows.shape[0]),
+        size=(made.shape[1], made.shape[0]),
         channels=raster.channels,
-        kind=kind,
+        kind="float" if kind == np.float32 else kind.name,
         attributes=_attributes(raster, output.suffix.lower()),
     ) as write_rows:
-        write_rows(raster.numbers[rows, columns])
+        write_rows(made.astype(kind, copy=False))
 
 
 def _holds(suffix: str, raster: Raster, read_from: str) -> bool:

@@ -15,16 +15,14 @@ Places are parts of the plane's width and height, radii parts of its shorter sid
 `least_distance` is in pixels, angles are in degrees.
 """
 
-import difflib
-import tomllib
-from collections.abc import Callable, Collection, Mapping
-from math import isfinite, radians
+from collections.abc import Callable, Mapping
+from math import radians
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from jaxtex.core.errors import InputError
-from jaxtex.io.files import existing_file
 from jaxtex.io.masks import read_mask
+from jaxtex.io.toml_files import check_names, is_number, read_toml, tables_of
 from jaxtex.particles.controls import LIMITS, Control, range_of
 from jaxtex.particles.fields import Amount, linear_field, map_field, radial_field
 
@@ -74,22 +72,15 @@ def read_controls(path: Path | str, size: tuple[int, int]) -> tuple[Control, ...
         >>> growing.size(np.array([0.0, 100.0]), np.array([0.0, 50.0]))
         array([1. , 1.5])
     """
-    path = existing_file(path)
-    try:
-        document = tomllib.loads(path.read_bytes().decode("utf-8"))
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: is not a text file; give a file of controls (controls.toml)") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: is no TOML ({error}); correct it there") from None
-    _check_keys(f"{path}", document, {"control"})
-    tables = document.get("control", [])
-    if not isinstance(tables, list) or not all(isinstance(each, dict) for each in tables):
-        raise InputError(f"{path}: control: write [[control]] above each control")
+    path = Path(path)
+    document = read_toml(path, "a file of controls (controls.toml)")
+    check_names(f"{path}", document, {"control"})
+    tables = tables_of(document, "control", path, "control")
     return tuple(_read_control(path, number, table, size) for number, table in enumerate(tables, 1))
 
 
 def _read_control(path: Path, number: int, table: Mapping[str, Any], size: tuple[int, int]) -> Control:
-    _check_keys(f"{path}: control {number}", table, {*LIMITS, "classes", "weights"})
+    check_names(f"{path}: control {number}", table, {*LIMITS, "classes", "weights"})
     values: dict[str, Any] = {}
     for name, value in table.items():
         key = _Key(path, number, name, size)
@@ -104,14 +95,6 @@ def _read_control(path: Path, number: int, table: Mapping[str, Any], size: tuple
         else:
             values[name] = _read_amount(key, value)
     return Control(**values)
-
-
-def _check_keys(where: str, table: Mapping[str, Any], known: Collection[str]) -> None:
-    for name in table:
-        if name not in known:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(sorted(known))}"
-            raise InputError(f"{where}: {name} is not known; {hint}")
 
 
 def _read_classes(key: _Key, value: Any) -> list[int]:
@@ -141,7 +124,7 @@ def _read_amount(key: _Key, value: Any) -> Amount:
         forms = ", ".join("{" + ", ".join(sorted(needed)) + "}" for needed, _ in _FORMS.values())
         raise key.fault(f"is a table of no known kind; give one number, or one of {forms}")
     needed, optional = _FORMS[form]
-    _check_keys(f"{key.path}: control {key.table}: {key.name}", value, needed | optional)
+    check_names(f"{key.path}: control {key.table}: {key.name}", value, needed | optional)
     for name in sorted(needed - set(value)):
         raise key.fault(f"has no {name}; give one")
     return _READERS[form](key, value)
@@ -208,6 +191,6 @@ def _read_level(key: _Key, name: str, value: Any) -> float:
 
 
 def _read_number(key: _Key, name: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+    if not is_number(value):
         raise key.fault(f"{name} is {value!r}; give a number".lstrip())
     return float(value)

@@ -24,10 +24,8 @@ they stand in .exr files, from -1 (0) to 1 (1) in others; or grey, from 0 (black
 symmetric, or a whole one (white).
 """
 
-import difflib
-import tomllib
-from collections.abc import Collection, Mapping
-from math import isfinite, pi, radians
+from collections.abc import Mapping
+from math import pi, radians
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -35,9 +33,9 @@ import numpy as np
 import numpy.typing as npt
 
 from jaxtex.core.errors import InputError
-from jaxtex.io.files import existing_file
 from jaxtex.io.images import read_image
 from jaxtex.io.masks import read_mask
+from jaxtex.io.toml_files import check_names, is_number, read_toml, tables_of
 from jaxtex.progressive.fields import Given, orientation_field, scale_field, transition_field
 from jaxtex.progressive.keys import FieldKey, Place
 
@@ -98,18 +96,13 @@ def read_keys(path: Path | str) -> FieldKeys:
         >>> read_keys("keys.toml").orientation
         (FieldKey(places=((0.5, 0.5),), value=3.141592653589793),)
     """
-    path = existing_file(path)
-    try:
-        document = tomllib.loads(path.read_bytes().decode("utf-8"))
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: is not a text file; give a file of keys (keys.toml)") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: is no TOML ({error}); correct it there") from None
-    _check_names(f"{path}", document, {*KINDS, "symmetric"})
+    path = Path(path)
+    document = read_toml(path, "a file of keys (keys.toml)")
+    check_names(f"{path}", document, {*KINDS, "symmetric"})
     symmetric = document.get("symmetric", False)
     if not isinstance(symmetric, bool):
         raise InputError(f"{path}: symmetric is {symmetric!r}; give true or false")
-    given = {kind: _read_tables(path, kind, document.get(kind, []), symmetric) for kind in KINDS}
+    given = {kind: _read_tables(path, kind, tables_of(document, kind, path, "key"), symmetric) for kind in KINDS}
     return FieldKeys(**given, symmetric=symmetric)
 
 
@@ -136,25 +129,15 @@ def make_field(keys: FieldKeys, kind: FieldKind, size: tuple[int, int]) -> npt.N
     return scale_field(keys.scale, size) if kind == "scale" else transition_field(keys.transition, size)
 
 
-def _read_tables(path: Path, kind: FieldKind, tables: Any, symmetric: bool) -> Given:
-    if not isinstance(tables, list) or not all(isinstance(each, dict) for each in tables):
-        raise InputError(f"{path}: {kind}: write [[{kind}]] above each key")
+def _read_tables(path: Path, kind: FieldKind, tables: list[dict[str, Any]], symmetric: bool) -> Given:
     entries = [(_Entry(path, kind, number, symmetric), table) for number, table in enumerate(tables, 1)]
     for entry, table in entries:
-        _check_names(f"{path}: {kind} {entry.number}", table, _KEY | _MAP)
+        check_names(f"{path}: {kind} {entry.number}", table, _KEY | _MAP)
         if "map" in table:
             if len(tables) > 1:
                 raise entry.fault("is a map, which says all of the field; leave out the others")
             return _read_map(entry, table)
     return tuple(_read_key(entry, table) for entry, table in entries)
-
-
-def _check_names(where: str, table: Mapping[str, Any], known: Collection[str]) -> None:
-    for name in table:
-        if name not in known:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(sorted(known))}"
-            raise InputError(f"{where}: {name} is not known; {hint}")
 
 
 def _read_key(entry: _Entry, table: Mapping[str, Any]) -> FieldKey:
@@ -218,7 +201,7 @@ def _read_directions(picture: Path, symmetric: bool) -> npt.NDArray[np.floating]
 
 
 def _read_number(entry: _Entry, name: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+    if not is_number(value):
         raise entry.fault(f"{name} is {value!r}; give a number")
     return float(value)
 

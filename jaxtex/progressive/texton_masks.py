@@ -10,7 +10,7 @@ whose threshold it is farther below. `jaxtex.progressive.mask_proposal` makes a 
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +26,9 @@ Labels = npt.NDArray[np.uint8]
 MOST_LABEL = 3
 """Masks have up to four values."""
 
+Operation = Literal["open", "close", "dilate", "erode"]
+
+_OPERATIONS = {"open": open_mask, "close": close_mask, "dilate": dilate_mask, "erode": erode_mask}
 _SAME = 4 / 255  # grey levels that lossy files change one into the other
 _COUNTS = 2, 3, 4
 
@@ -117,56 +120,56 @@ def check_texton_mask(mask: npt.ArrayLike, size: tuple[int, int] | None = None) 
     return labels.astype(np.uint8)
 
 
-def open_texton_mask(mask: npt.ArrayLike, radius: float) -> Labels:
-    """Elements lose specks and bridges that hold no disk. This and the next three act on the border of elements,
-    whatever their types, and what they gain is of the nearest type: borders between types stay.
+def measure_contrast(pixels: npt.ArrayLike, mask: npt.ArrayLike) -> float:
+    """How much lighter elements are than what is around them, on average.
+
+    Args:
+        pixels: linear light, [row, col] or [row, col, channel] of 1 or 3 channels.
+        mask: labels [row, col].
+
+    Returns:
+        The difference of CIE Lab lightness, -100 to 100; below 0 where elements are darker. 0 where either is missing.
+
+    Raises:
+        InputError: no picture, no mask, or a mask of another size.
+
+    Examples:
+        >>> round(measure_contrast([[0.0, 1.0]], [[0, 1]]))
+        100
+    """
+    picture = check_picture(pixels)
+    elements = check_texton_mask(mask, (picture.shape[1], picture.shape[0])) > 0
+    if elements.all() or not elements.any():
+        return 0.0
+    lightness = to_lab(picture)[..., 0]
+    return float(lightness[elements].mean() - lightness[~elements].mean())
+
+
+def refine_texton_mask(mask: npt.ArrayLike, operation: Operation, radius: float) -> Labels:
+    """Refine elements by morphology. It acts on the border of elements, whatever their types, and what they gain is of
+    the nearest type: borders between types stay.
 
     Args:
         mask: labels [row, col].
-        radius: of the disk in pixels, 0 or more.
+        operation: "open": elements lose specks and bridges that hold no disk; "close": they gain pits and cracks that
+            hold none; "dilate": they gain a rim; "erode": they lose one.
+        radius: of the disk, or breadth of the rim, in pixels, 0 or more.
 
     Raises:
         InputError: no mask, or a radius below 0.
 
     Examples:
-        >>> open_texton_mask([[1, 0, 2, 2, 2]], 1)
+        >>> refine_texton_mask([[1, 0, 2, 2, 2]], "open", 1)
         array([[0, 0, 2, 2, 2]], dtype=uint8)
-    """
-    labels = check_texton_mask(mask)
-    return _fit_to(labels, open_mask(labels > 0, radius))
-
-
-def close_texton_mask(mask: npt.ArrayLike, radius: float) -> Labels:
-    """Elements gain pits and cracks that hold no disk.
-
-    Examples:
-        >>> close_texton_mask([[2, 2, 0, 2, 2, 0, 0, 0]], 1)
+        >>> refine_texton_mask([[2, 2, 0, 2, 2, 0, 0, 0]], "close", 1)
         array([[2, 2, 2, 2, 2, 0, 0, 0]], dtype=uint8)
-    """
-    labels = check_texton_mask(mask)
-    return _fit_to(labels, close_mask(labels > 0, radius))
-
-
-def dilate_texton_mask(mask: npt.ArrayLike, radius: float) -> Labels:
-    """Elements gain a rim.
-
-    Examples:
-        >>> dilate_texton_mask([[1, 0, 0, 0, 2]], 1)
+        >>> refine_texton_mask([[1, 0, 0, 0, 2]], "dilate", 1)
         array([[1, 1, 0, 2, 2]], dtype=uint8)
-    """
-    labels = check_texton_mask(mask)
-    return _fit_to(labels, dilate_mask(labels > 0, radius))
-
-
-def erode_texton_mask(mask: npt.ArrayLike, radius: float) -> Labels:
-    """Elements lose a rim.
-
-    Examples:
-        >>> erode_texton_mask([[1, 1, 2, 2, 0]], 1)
+        >>> refine_texton_mask([[1, 1, 2, 2, 0]], "erode", 1)
         array([[1, 1, 2, 0, 0]], dtype=uint8)
     """
     labels = check_texton_mask(mask)
-    return _fit_to(labels, erode_mask(labels > 0, radius))
+    return _fit_to(labels, _OPERATIONS[operation](labels > 0, radius))
 
 
 def despeckle_texton_mask(mask: npt.ArrayLike, area: int) -> Labels:

@@ -8,13 +8,11 @@ them.
 import numpy as np
 import numpy.typing as npt
 
-from jaxtex.synthesis.anisometric import SIMILAR, make_frames
+from jaxtex.synthesis.anisometric import COARSEST, SIMILAR, make_frames
 from jaxtex.synthesis.anisometric_pass import Floats, Given, Known, decide_all, order_pixels
 from jaxtex.synthesis.exemplars import analyse_levels
 from jaxtex.synthesis.guides import GUIDE_WEIGHT, weigh_guides
 from jaxtex.synthesis.neighbourhoods import check_exemplar
-
-_ONE_LEVEL = 1 << 30  # pixels: no exemplar is so large that there would be coarser ones of it
 
 
 def refine_anisometric(
@@ -57,7 +55,8 @@ def refine_anisometric(
         raise ValueError(f"similar: {similar} is below 0")
     size, everywhere = pixels.shape[:2], np.ones(pixels.shape[:2], bool)
     pixels, guide = weigh_guides(pixels, guides, frames.shape[:2], guide_weight)
-    (level,) = analyse_levels(pixels, everywhere, radius=radius, coarsest=_ONE_LEVEL, similar=max(similar, 1))
+    # Places that look alike are found from coarse to fine: among all places at once that takes many times as long.
+    level = analyse_levels(pixels, everywhere, radius=radius, coarsest=COARSEST, similar=max(similar, 1))[0]
     alike = level.similar[:, : 1 + similar]
     known = Known(level.pixels, level.valid, level.basis, level.features, alike, level.frames)
     given = Given(frames, guide, (np.zeros(size, np.float32), np.zeros(frames.shape[:2], np.float32)))

@@ -1,5 +1,6 @@
 """`jaxtex field` and `jaxtex texton-mask` from the words typed to the files written."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -99,14 +100,22 @@ def test_picks_have_types() -> None:
 
 
 @pytest.mark.parametrize(
-    ("option", "value"), [("open", 4.5), ("close", 4.0), ("dilate", 2.0), ("erode", 3.0), ("despeckle", 200)]
+    ("option", "value", "refine"),
+    [
+        ("open", 4.5, lambda mask: texton_masks.refine_texton_mask(mask, "open", 4.5)),
+        ("close", 4.0, lambda mask: texton_masks.refine_texton_mask(mask, "close", 4.0)),
+        ("dilate", 2.0, lambda mask: texton_masks.refine_texton_mask(mask, "dilate", 2.0)),
+        ("erode", 3.0, lambda mask: texton_masks.refine_texton_mask(mask, "erode", 3.0)),
+        ("despeckle", 200, lambda mask: texton_masks.despeckle_texton_mask(mask, 200)),
+    ],
 )
-def test_masks_are_refined_as_by_the_library(option: str, value: float) -> None:
+def test_masks_are_refined_as_by_the_library(
+    option: str, value: float, refine: Callable[[np.ndarray], np.ndarray]
+) -> None:
     texton_masks.write_texton_mask("painted.png", spots())
     words = ["texton-mask", "hide.png", "--painted", "painted.png", "-o", "mask.png"]
     assert main([*words, f"--{option}", f"{value:g}"]) == 0
-    expected = getattr(texton_masks, f"{option}_texton_mask")(spots(), value)
-    assert np.array_equal(texton_masks.read_texton_mask("mask.png"), expected)
+    assert np.array_equal(texton_masks.read_texton_mask("mask.png"), refine(spots()))
     assert main([*words, "--invert"]) == 0
     assert np.array_equal(texton_masks.read_texton_mask("mask.png"), 1 - spots())
 

@@ -10,6 +10,7 @@ from jaxtex.io.images import read_image, write_image
 from jaxtex.io.masks import write_mask
 from jaxtex.io.raster import read_raster
 from jaxtex.progressive.varying import read_varying
+from jaxtex.synthesis.anisometric import sample_sources
 
 
 @pytest.fixture
@@ -48,7 +49,7 @@ def test_numbers(exemplar: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert down == pytest.approx(1 / 12, rel=0.1)
     assert right == pytest.approx(0, abs=0.01)
     told = capsys.readouterr().out
-    assert told == f"{saved}: texture, scale and orientation\n{output}: 70 x 60 pixels\n"
+    assert told == f"{output}: 70 x 60 pixels\n{saved}: texture, scale and orientation\n"
     varying = read_varying(saved)
     assert varying.texture.shape == (60, 70, 3)
     np.testing.assert_allclose(varying.scale, 1.5)
@@ -81,6 +82,56 @@ def test_depth_and_mask_are_kept(exemplar: Path) -> None:
     assert light[varying.mask == 1].mean() > light[varying.mask == 0].mean() + 0.2
 
 
+def test_other_maps_go_along(exemplar: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    row, column, output = (exemplar.with_name(name) for name in ("row.png", "column.exr", "made.png"))
+    places = np.moveaxis(np.indices((56, 64), np.float32), 0, -1)
+    write_image(row, places[..., 0] / 100, colour_space="data", bits=16)
+    write_image(column, places[..., 1], colour_space="data")
+    assert distort(exemplar, "-o", output, "--size", "48x40", "--scale", "2.5", "--also", row, column) == 0
+    made = [exemplar.with_name(name) for name in ("made_row.png", "made_column.exr")]
+    assert read_raster(made[0]).numbers.dtype == np.uint16
+    from_row, from_column = (read_image(each, colour_space="data").pixels[..., 0] for each in made)
+    expected = sample_sources(read_image(exemplar).pixels, np.stack([100 * from_row, from_column], axis=-1))
+    np.testing.assert_allclose(read_image(output).pixels, expected, atol=0.01)
+    told = [f"{each}: 48 x 40 pixels" for each in (output, *made)]
+    assert capsys.readouterr().out.splitlines() == told
+
+
+@pytest.mark.parametrize("name", ["normal.png", "normal.exr"])
+def test_normals_turn_with_things(exemplar: Path, name: str) -> None:
+    normals, output = exemplar.with_name(name), exemplar.with_name("made.png")
+    towards_right = np.broadcast_to(np.float32([0.8, 0.0, 0.6]), (56, 64, 3)).copy()
+    towards_right[0, 0] = -0.8, 0, 0.6  # all of a map are seldom in one direction
+    signed = normals.suffix == ".exr"
+    write_image(normals, towards_right if signed else 0.5 + 0.5 * towards_right, colour_space="data")
+    words = ["--size", "24x20", "--orientation", "30", "--normals", normals]
+    assert distort(exemplar, "-o", output, *words) == 0
+    made = read_image(exemplar.with_name(f"made_{name}"), colour_space="data").pixels
+    turned = np.median(made if signed else 2 * made - 1, axis=(0, 1))
+    down = np.radians(30)  # clockwise: what looked right looks a little down
+    np.testing.assert_allclose(turned, [0.8 * np.cos(down), -0.8 * np.sin(down), 0.6], atol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--also", "small.png"], "--also: small.png is 9 x 8 pixels, and the exemplar is 64 x 56"),
+        (["--normals", "grey.png"], "--normals: grey.png has fewer than three channels"),
+        (["--normals", "grey.png", "--also", "grey.png"], "two maps would be written to made_grey.png"),
+        (["--also", "grey.png", "--save", "made_grey.png"], "made_grey.png: would be written over"),
+        (["--also", "grey.png", "--texton-mask", "made_grey.png"], "made_grey.png: would be written over"),
+    ],
+)
+def test_maps_that_do_not_go_along(
+    exemplar: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, words: list[str], told: str
+) -> None:
+    monkeypatch.chdir(exemplar.parent)
+    write_image("small.png", np.zeros((8, 9)))
+    write_image("grey.png", np.zeros((56, 64)))
+    assert told in complain(capsys, "exemplar.png", "-o", "made.png", *words)
+    assert not Path("made.png").exists()
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -108,7 +159,7 @@ def test_files_that_do_not_go_together(exemplar: Path, capsys: pytest.CaptureFix
     output, other, keys = (exemplar.with_name(name) for name in ("made.png", "other.png", "keys.toml"))
     write_mask(other, np.eye(20))
     assert "20 x 20" in complain(capsys, exemplar, "-o", output, "--texton-mask", other)
-    assert "is read" in complain(capsys, exemplar, "-o", exemplar)
+    assert "would be written over" in complain(capsys, exemplar, "-o", exemplar)
     assert "one channel" in complain(capsys, exemplar, "-o", output, "--orientation", other)
     keys.write_text("[[transition]]\nat = [0.5, 0.5]\nvalue = 0.75\n")
     assert "no keys of scale or orientation" in complain(capsys, exemplar, "-o", output, "--keys", keys)

@@ -84,15 +84,24 @@ def test_more_than_the_exemplar_is_made() -> None:
     assert mask[:, :25].mean() > 1.4 * mask[:, 75:].mean() > 0
 
 
-def test_one_texture_becomes_another() -> None:
+def test_one_texture_becomes_another(capsys: pytest.CaptureFixture[str]) -> None:
     words = "blend stripes.png spots.png -o ab.png --masks stripes_mask.png spots_mask.png --size 96x48 --save ab.npz"
     assert main(["vary", *words.split()]) == 0
+    assert capsys.readouterr().err == ""  # elements of both are dark, so there is nothing to say
     made, varying = read_image("ab.png").pixels, read_varying("ab.npz")
     assert made.shape == (48, 96, 3)
     left, right = (made[:, part][varying.mask[:, part] == 0].mean(axis=0) for part in (np.s_[:8], np.s_[-8:]))
     np.testing.assert_allclose(left, [0.6, 0.3, 0.1], atol=0.08)
     np.testing.assert_allclose(right, [0.3, 0.6, 0.2], atol=0.08)
     np.testing.assert_allclose(varying.transition[5], np.linspace(0, 1, 96), atol=1e-6)
+
+
+def test_elements_that_are_dark_in_one_and_light_in_the_other_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    write_image("spots.png", np.where(spots(16, 5), 0.6, 0.1))
+    assert main(["vary", *BLEND, "--size", "24x16"]) == 0
+    hint = capsys.readouterr().err
+    assert hint.count("\n") == 1
+    assert "darker than what is around them in stripes.png and lighter in spots.png" in hint
 
 
 def test_weights_place_three_textures() -> None:

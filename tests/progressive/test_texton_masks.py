@@ -65,15 +65,15 @@ def test_smoothing_takes_specks_away() -> None:
 
 @pytest.mark.parametrize("radius", [1, 2.5])
 @pytest.mark.parametrize("tool", ["open", "close", "dilate", "erode"])
-def test_morphology_moves_the_border_of_elements_and_keeps_their_types(tool: str, radius: float) -> None:
+def test_morphology_moves_the_border_of_elements_and_keeps_their_types(tool: tm.Operation, radius: float) -> None:
     labels = rosettes()
-    shaped = getattr(tm, f"{tool}_texton_mask")(labels, radius)
+    shaped = tm.refine_texton_mask(labels, tool, radius)
     assert np.array_equal(shaped > 0, getattr(morphology, f"{tool}_mask")(labels > 0, radius))
     both = (labels > 0) & (shaped > 0)
     assert np.array_equal(shaped[both], labels[both])
     gained = (labels == 0) & (shaped > 0)
     assert (shaped[gained] == 2).all()  # the rims are what is nearest
-    assert np.array_equal(getattr(tm, f"{tool}_texton_mask")(np.zeros_like(labels), radius), np.zeros_like(labels))
+    assert np.array_equal(tm.refine_texton_mask(np.zeros_like(labels), tool, radius), np.zeros_like(labels))
 
 
 def test_specks_of_any_value_become_what_surrounds_them() -> None:
@@ -165,8 +165,8 @@ def test_what_is_no_mask_is_told(tmp_path: Path) -> None:
         (lambda: tm.pick_texton_mask(np.zeros((4, 4)), [tm.ColourPick([1.0], 0)]), "tolerance 0 is out of range"),
         (lambda: tm.pick_texton_mask(np.zeros((4, 4)), [tm.ColourPick([1.0], 5, 4)]), "type 4 is out of range"),
         (lambda: tm.pick_texton_mask(np.zeros((4, 4)), [tm.ColourPick([1.0], 5)]), "nothing has these colours"),
-        (lambda: tm.open_texton_mask(np.full((4, 4), 4), 1), "beside the labels 0 to 3"),
-        (lambda: tm.erode_texton_mask(np.eye(4), -1), "radius: -1 is out of range"),
+        (lambda: tm.refine_texton_mask(np.full((4, 4), 4), "open", 1), "beside the labels 0 to 3"),
+        (lambda: tm.refine_texton_mask(np.eye(4), "erode", -1), "radius: -1 is out of range"),
         (lambda: tm.despeckle_texton_mask(np.eye(4), 40), "no region of the mask has 40 pixels"),
         (lambda: tm.despeckle_texton_mask(np.eye(4), -4), "area: -4 is out of range"),
         (lambda: propose_texton_mask(np.full((40, 40), 0.5)), "all of one colour"),
@@ -188,3 +188,14 @@ def test_overlays_leave_what_is_no_element_as_it_is(channels: int) -> None:
     assert shown.shape == (*labels.shape, 3)
     assert np.array_equal(shown[labels == 0], np.broadcast_to(pixels, shown.shape)[labels == 0])
     assert np.abs(shown - pixels)[labels > 0].max(axis=-1).min() > 0
+
+
+def test_contrast_is_that_of_all_types_of_elements_against_what_is_none() -> None:
+    labels = np.repeat([0, 1, 2, 0], 8).reshape(4, 8)
+    light = np.where(labels == 0, 0.5, np.where(labels == 1, 0.1, 0.2))
+    lightness = 116 * np.cbrt([0.1, 0.2]).mean() - 116 * np.cbrt(0.5)
+    assert tm.measure_contrast(light, labels) == pytest.approx(lightness, abs=0.5)
+    assert tm.measure_contrast(light, labels == 0) == pytest.approx(-lightness, abs=0.5)
+    assert tm.measure_contrast(light, np.zeros((4, 8))) == 0
+    with pytest.raises(InputError):
+        tm.measure_contrast(light, labels[:2])
