@@ -135,7 +135,7 @@ def _learn_view(picture: Floats, mask: npt.NDArray[np.bool_], view: tuple[bool, 
     centres = kmeans2(values.reshape(-1, values.shape[2])[sample], _COLOURS, minit="++", seed=0, iter=30)[0]
     share = ndimage.mean(mask, _nearest(values, centres), np.arange(_COLOURS))
     areas = np.bincount(split_touching(mask).ravel())[1:]
-    return Classes(view, centres, np.nan_to_num(share) > 0.5, _SPECK * float(np.median(areas)))
+    return Classes(view, centres, np.nan_to_num(share) > 0.5, _SPECK * (float(np.median(areas)) if len(areas) else 0.0))
 
 
 def _tell_elements(picture: Floats, classes: Classes) -> npt.NDArray[np.bool_]:

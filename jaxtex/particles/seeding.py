@@ -26,10 +26,11 @@ from jaxtex.particles.things import Decomposition
 
 MOST_OVERLAP = 0.12
 """Of the smaller of two boxes with their clearance, along the axis that tells them apart best: by how much they may
-overlap at most (see `overlap_share`), beyond how much they do in the picture. Section 2.2 says: not too much."""
+overlap at most (see `overlap_share`), beyond how much they do in the picture. Section 2.2 says: not too much. Two that were
+neighbours in the picture may lie as they did there."""
 
 LEAST_DISTANCE = 0.85
-"""Of how far a particle is from the nearest one in the picture, centre to centre: how close others may come."""
+"""Of how far a particle is from the nearest one in the picture, centre to centre: how close others come by lists."""
 
 _LEAST_ROOM = 0.25
 """Of the side of the square that each particle has on average: how close none comes to another by lists. Things strewn
@@ -65,7 +66,7 @@ def seed_composition(
     go back that find no room, so that sizes are as often as in the picture. It is left out where it and what particles
     of its class keep free would overlap one that is there by too much (`MOST_OVERLAP`). That goes on until nothing more
     can be placed. Classes whose arrangement is not known have neighbours in any direction, as far away as in the
-    picture and no closer. As in the paper, classes know nothing of each other, so that particles of several classes may
+    picture. As in the paper, classes know nothing of each other, so that particles of several classes may
     overlap.
 
     Departures from section 2.2: where things nearly touch, each comes with its own list and with those that were
@@ -74,7 +75,7 @@ def seed_composition(
     loners stay alone. All particles get another turn where there are still fewer per pixel than in the picture. Where
     clearly more would find room, as in what is strewn at random or in clusters, lists do not say where nothing is; then
     particles come in groups, each with what is nearest to it in the picture, strewn with the distance that they have
-    there, those with most room first.
+    there, or less if there is no room for all of them, those with most room first.
 
     Args:
         decomposition: the picture taken apart.
