@@ -26,8 +26,8 @@ from jaxtex.particles.things import Decomposition
 
 MOST_OVERLAP = 0.12
 """Of the smaller of two boxes with their clearance, along the axis that tells them apart best: by how much they may
-overlap at most (see `overlap_share`), beyond how much they do in the picture. Section 2.2 says: not too much. Two that were
-neighbours in the picture may lie as they did there."""
+overlap at most (see `overlap_share`), beyond how much they do in the picture. Section 2.2 says: not too much.
+Two that were neighbours in the picture may lie as they did there."""
 
 LEAST_DISTANCE = 0.85
 """Of how far a particle is from the nearest one in the picture, centre to centre: how close others come by lists."""
