@@ -40,7 +40,8 @@ class Analyse:
     --polygons or --labels, and --find or --colours: what they leave is looked for as well.
 
     Writes a folder for 'jaxtex particles synth': labels.png (16 bits: each pixel the number of its thing), which may be
-    mended by hand, particles.json (the things' classes), a copy of the picture, and sheet.png to look at.
+    mended by hand, particles.json (the things' classes), a copy of the picture, and sheet.png to look at. Where what
+    was found hardly looks like things, the exit status is 1.
 
     Example: jaxtex particles analyse coins.png -o coins
 
@@ -92,6 +93,7 @@ class Analyse:
             print(
                 f"These hardly look like things: see {self.output / _SHEET}, and say what is by --colours or --labels."
             )
+            return 1
         return status
 
     def _check(self) -> None:

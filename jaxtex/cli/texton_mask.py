@@ -64,6 +64,7 @@ class TextonMask:
         import numpy as np
 
         from jaxtex.cli.files import write_together
+        from jaxtex.cli.varying import check_names
         from jaxtex.core.errors import InputError
         from jaxtex.io.images import read_image, write_image
         from jaxtex.progressive.plots import overlay_texton_mask
@@ -73,8 +74,11 @@ class TextonMask:
             raise InputError("--painted does not go with --pick; give one of them")
         if self.overlay is not None and self.overlay.absolute() == self.output.absolute():
             raise InputError(f"{self.overlay}: is to be both the mask and the overlay; give them two names")
+        check_names([self.exemplar, self.painted], [self.output, self.overlay])
         pixels = read_image(self.exemplar).pixels
         mask = self._refine(self._make(pixels))
+        if np.ptp(mask) == 0:
+            raise InputError(f"{self.output}: all of it would be of one type; pick other colours, or refine it less")
         writers: dict[Path, Callable[[Path], None]] = {self.output: lambda path: write_texton_mask(path, mask)}
         if self.overlay is not None:
             picture = overlay_texton_mask(pixels, mask)

@@ -94,6 +94,7 @@ class VaryWarp:
         pixels = varying.read_exemplar(self.exemplar, self.neighborhood)
         labels = varying.read_mask_of(self.mask, self.exemplar, pixels)
         size = (labels.shape[1], labels.shape[0]) if self.size is None else varying.parse_made_size(self.size)
+        _check_types(self.mask, labels, growths)
         transition = varying.read_transition(self.transition, self.keys, size)
         made = self._make(pixels, labels, transition, growths, radius)
         varying.write_results(self.output, made, save=self.save, mask=self.mask_output)
@@ -116,6 +117,8 @@ class VaryWarp:
         keys = jax.random.split(jax.random.key(self.seed))
         laid = lay_out(f"making more of {self.mask}", pixels, labels, transition.shape[::-1], keys[0])
         wanted = self._warp(laid, transition, growths)
+        if wanted.max() == wanted.min():
+            raise InputError("only one type would be left of the mask; grow or shrink less")
         sources = filter_exemplar(f"making {self.output}", pixels, labels, wanted, keys[1], radius)
         return VaryingTexture.of(sample_sources(pixels, sources), mask=wanted, transition=transition)
 
@@ -140,6 +143,14 @@ class VaryWarp:
         for growth in growths:
             labels = grow_mask(labels, growth.pixels * transition, types=growth.types, direction=growth.direction)
         return labels
+
+
+def _check_types(path: Path, labels: "np.ndarray", growths: list[_Growth]) -> None:
+    there = sorted(set(labels.ravel().tolist()))
+    for growth in growths:
+        if not set(growth.types) & set(there):
+            named = " or ".join(map(str, growth.types))
+            raise InputError(f"--grow: {path} has no type {named}; it has {', '.join(map(str, there))}")
 
 
 def _parse_growth(word: str) -> _Growth:

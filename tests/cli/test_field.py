@@ -131,6 +131,8 @@ MASKS = [
     (["--smoothing", "-1", "--pick", "16,16"], "--smoothing: -1 is out of range"),
     (["--erode", "-1"], "radius: -1 is out of range"),
     (["--overlay", "mask.png"], "give them two names"),
+    (["--overlay", "hide.png"], "hide.png: would be written over"),
+    (["--erode", "99"], "all of it would be of one type"),
 ]
 
 

@@ -243,7 +243,7 @@ def test_one_thing_alone(tmp_path: Path) -> None:
 
 def test_what_hardly_looks_like_things_is_told(tmp_path: Path, spots: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_image(tmp_path / "grass.png", data.grass()[:160, :160, None] / 255)
-    assert run(Analyse, tmp_path / "grass.png", "-o", tmp_path / "grass") == 0
+    assert run(Analyse, tmp_path / "grass.png", "-o", tmp_path / "grass") == 1
     assert "hardly look like things" in capsys.readouterr().out
     assert run(Analyse, spots, "-o", tmp_path / "spots") == 0
     assert "hardly look like things" not in capsys.readouterr().out

@@ -126,6 +126,8 @@ BLEND = ["blend", "stripes.png", "spots.png", "-o", "out.png", "--masks", "strip
     [
         (WARP, "--grow"),
         ([*WARP, "--grow=-6:7"], "--grow"),
+        ([*WARP, "--grow=-6:3"], "stripes_mask.png has no type 3; it has 0, 1"),
+        ([*WARP, "--grow=99"], "only one type would be left"),
         ([*WARP, "--grow=-6:1:sideways"], "--grow"),
         ([*WARP, "--scale", "0"], "--scale"),
         ([*WARP, "--grow=1", "--neighborhood", "8"], "--neighborhood"),
