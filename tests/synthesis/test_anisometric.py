@@ -270,3 +270,13 @@ def test_frames_turn_clockwise_as_seen() -> None:
     np.testing.assert_allclose(frame @ [0, 1], [2, 0], atol=1e-6)  # to the right becomes down
     np.testing.assert_allclose(frame @ [1, 0], [0, -2], atol=1e-6)
     assert jnp.asarray(frame).dtype == jnp.float32
+
+
+def test_double_precision() -> None:
+    exemplar, fields = draw_stripes(24, 24, 8), (np.full((12, 12), 1.5), np.full((12, 12), 0.5))
+    expected = synthesise_anisometric(exemplar, *fields, key=KEY)
+    with jax.enable_x64():
+        made = synthesise_anisometric(exemplar, *fields, key=jax.random.key(0))
+    assert made.shape == expected.shape
+    assert np.isfinite(made).all()
+    assert ((made >= 0) & (made <= 23)).all()
