@@ -273,10 +273,8 @@ def test_frames_turn_clockwise_as_seen() -> None:
 
 
 def test_double_precision() -> None:
-    exemplar, fields = draw_stripes(24, 24, 8), (np.full((12, 12), 1.5), np.full((12, 12), 0.5))
-    expected = synthesise_anisometric(exemplar, *fields, key=KEY)
+    exemplar, fields = draw_stripes(16, 16, 8), (np.full((12, 12), 1.5), np.full((12, 12), 0.5))
     with jax.enable_x64():
-        made = synthesise_anisometric(exemplar, *fields, key=jax.random.key(0))
-    assert made.shape == expected.shape
-    assert np.isfinite(made).all()
-    assert ((made >= 0) & (made <= 23)).all()
+        made = synthesise_anisometric(exemplar, *fields, key=jax.random.key(0), similar=1)
+    assert made.shape == (12, 12, 2)
+    assert ((made >= 0) & (made <= 15)).all()
