@@ -101,8 +101,8 @@ class VaryDistort:
         others = {"--also": self.also, "--normals": self.normals}
         maps = name_maps(others, self.exemplar, (image.width, image.height), self.output)
         fields = [Path(word) for word in (self.scale, self.orientation) if word]
-        inputs = [self.exemplar, self.keys, self.texton_mask, *fields, *self.also, *self.normals]
-        check_names(inputs, [self.output, self.save, *(made for _, made in maps)])
+        inputs = [self.exemplar, self.texton_mask, *fields, *self.also, *self.normals]
+        check_names(inputs, [self.output, self.save, *(made for _, made in maps)], keys=self.keys)
         for option, paths in others.items():
             for path in paths:
                 raster = read_raster(path)

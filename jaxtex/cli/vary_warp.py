@@ -88,8 +88,9 @@ class VaryWarp:
         growths = [_parse_growth(word) for word in self.grow]
         self._check(bool(growths))
         varying.check_names(
-            [self.exemplar, self.mask, self.displace, self.transition, self.keys],
+            [self.exemplar, self.mask, self.displace, self.transition],
             [self.output, self.mask_output, self.save],
+            keys=self.keys,
         )
         pixels = varying.read_exemplar(self.exemplar, self.neighborhood)
         labels = varying.read_mask_of(self.mask, self.exemplar, pixels)

@@ -597,7 +597,7 @@ class TestBlending:
         (["--size", "64"], "--size: '64' is no size"),
         ([*NOISE, "--size", "900000x900000"], "--size: 900000x900000 takes"),
         (["--size", "900000x900000"], "--size: 900000x900000 takes"),
-        (["--preview", "exemplar.png"], "--preview: exemplar.png would be written over"),
+        (["--preview", "exemplar.png"], "exemplar.png: would be written over"),
         ([*NOISE, "--size", "60x64"], "--size: 60x64 holds 3 scales, not 4; give 64 pixels"),
         ([*NOISE, "--size", "64x64", "--finer", "1"], "holds 4 scales, not 4 and 1 finer; give 128 pixels"),
         (
@@ -658,7 +658,12 @@ class TestBlending:
         (["-o", "to.png", "--guide", "from.png", "to.png"], "to.png is the second of the guides, which"),
         (["-o", "t.png", "--method", "ashikhmin", "--target", "t.png"], "t.png is the target, which"),
         (["-o", "m.png", "--inpaint", "m.png"], "m.png is the mask, which"),
-        (["--preview", "texture.png"], "--preview: texture.png would be written over"),
+        (["--preview", "texture.png"], "texture.png: would be written over"),
+        (["--preview", "m.png", "--inpaint", "m.png"], "m.png: would be written over"),
+        (
+            ["--preview", "texture_exemplar.png", "--also", "exemplar.png"],
+            "texture_exemplar.png: would be written over",
+        ),
         (["--blend", "0"], "--blend: 0.0 is out of range"),
         (["--blend", "nan"], "--blend: nan is out of range"),
         (["--method", "ashikhmin", "--passes", "0"], "--passes: 0 is out of range"),

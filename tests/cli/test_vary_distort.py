@@ -179,3 +179,11 @@ def test_files_that_do_not_go_together(exemplar: Path, capsys: pytest.CaptureFix
     assert "no keys of scale or orientation" in complain(capsys, exemplar, "-o", output, "--keys", keys)
     write_image(other, np.random.default_rng(0).random((5, 40, 3)))
     assert "smaller --neighborhood" in complain(capsys, other, "-o", output)
+
+
+def test_that_files_cannot_be_written_is_told_before_long_work(
+    exemplar: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("jaxtex.synthesis.anisometric.anisometric_steps", lambda *_, **__: pytest.fail("has begun"))
+    words = [exemplar, "-o", exemplar.with_name("made.png"), "--save", exemplar.parent / "absent" / "v.npz"]
+    assert "there is no folder" in complain(capsys, *words)

@@ -132,6 +132,7 @@ BLEND = ["blend", "stripes.png", "spots.png", "-o", "out.png", "--masks", "strip
         ([*WARP, "--grow=1", "--transition", "stripes.png"], "stripes.png: is no transition"),
         ([*WARP, "--grow=1", "--transition", "absent.png"], "absent.png"),
         ([*WARP, "--grow=1", "--mask-output", "stripes_mask.png"], "written over"),
+        ([*WARP, "--grow=1", "--keys", "maps.toml", "--save", "black.png"], "black.png: would be written over"),
         ([*WARP, "--grow=1", "--size", "8x99"], "--size"),
         ([*WARP, "--displace", "stripes_mask.png"], "one channel"),
         (["warp", "stripes.png", "small_mask.png", "-o", "out.png", "--grow=1"], "small_mask.png: is 10 x 20"),
@@ -157,5 +158,6 @@ def test_what_cannot_be_done_is_said_in_one_line(
     write_mask("black.png", np.zeros((4, 4)))
     write_texton_mask("three_mask.png", stripes() + spots(16, 3))
     Path("keys.toml").write_text("[[scale]]\nat = [0.5, 0.5]\nvalue = 2\n")
+    Path("maps.toml").write_text("[[transition]]\nmap = 'black.png'\n")
     assert told in complain(capsys, *words)
     assert not Path("out.png").exists()
