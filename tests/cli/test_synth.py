@@ -239,7 +239,7 @@ class TestOtherMaps:
             (["a/normal.png", "b/normal.png"], "--also: two maps would be written to tile_normal.png"),
             (["a/small.png"], "--also: a/small.png is 69 x 64 pixels, and the exemplar is 70 x 64"),
             (["a/no.png"], "a/no.png: there is no such file"),
-            (["a/normal.bmp"], "tile_normal.bmp: cannot be written as '.bmp'"),
+            (["a/normal.bmp"], "--also: a/normal.bmp: the result is of its format; convert it to .png, .tif,"),
             (["a/normal.png", "tile_normal.png"], "would be written over"),
             (["tile.png"], "would be written over"),
         ],
