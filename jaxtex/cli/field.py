@@ -43,8 +43,7 @@ class Field:
     def run(self) -> int:
         import numpy as np
 
-        from jaxtex.cli.files import write_together
-        from jaxtex.cli.varying import check_names
+        from jaxtex.cli.files import check_names, write_together
         from jaxtex.core.errors import InputError
         from jaxtex.io.images import read_image, write_image
         from jaxtex.progressive.key_files import make_field, read_keys

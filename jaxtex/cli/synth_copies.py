@@ -122,7 +122,7 @@ def _read_exemplar(path: Path, rectangles: list[Rectangle]) -> _Exemplar:
 
 def _check_outputs(options: "Synth", maps: list[Path]) -> None:
     """All files are known to be writable then, and none written over another; `maps` are the other maps'."""
-    from jaxtex.cli.varying import check_names
+    from jaxtex.cli.files import check_names
     from jaxtex.io.copies import check_copies
 
     check_copies(options.exemplar, options.output)

@@ -92,8 +92,8 @@ class VaryDistort:
         """Other maps, and the files that they are written to; all files are known to be writable then."""
         import numpy as np
 
+        from jaxtex.cli.files import check_names
         from jaxtex.cli.other_maps import name_maps
-        from jaxtex.cli.varying import check_names
         from jaxtex.io.copies import check_copies
         from jaxtex.io.raster import read_raster
 

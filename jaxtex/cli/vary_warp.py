@@ -81,13 +81,14 @@ class VaryWarp:
 
     def run(self) -> int:
         from jaxtex.cli import varying
+        from jaxtex.cli.files import check_names
         from jaxtex.cli.values import check_seed
 
         check_seed(self.seed)
         radius = varying.check_neighborhood(self.neighborhood)
         growths = [_parse_growth(word) for word in self.grow]
         self._check(bool(growths))
-        varying.check_names(
+        check_names(
             [self.exemplar, self.mask, self.displace, self.transition],
             [self.output, self.mask_output, self.save],
             keys=self.keys,

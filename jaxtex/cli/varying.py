@@ -1,6 +1,5 @@
 """What the commands of `jaxtex vary` have in common."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -155,31 +154,6 @@ def write_results(output: Path, varying: "VaryingTexture", *, save: Path | None,
         print(f"{save}: texture, mask and transition")
     if mask is not None:
         print(f"{mask}: its mask")
-
-
-def check_names(inputs: Sequence[Path | None], outputs: Sequence[Path | None], *, keys: Path | None = None) -> None:
-    """Refuse to write over what is read, to write two things to one file, or to where no file can be; before work that
-    takes long.
-
-    Args:
-        inputs, outputs: files; None where an option is not given.
-        keys: a file of keys among the inputs, with the pictures that it names.
-
-    Raises:
-        InputError: that is so, or the keys cannot be read.
-    """
-    from jaxtex.io.files import place_for_file
-    from jaxtex.progressive.key_files import list_maps
-
-    maps = [] if keys is None else [keys, *list_maps(keys)]
-    read = {each.resolve() for each in (*inputs, *maps) if each is not None}
-    written: set[Path] = set()
-    for output in outputs:
-        if output is not None:
-            place_for_file(output)
-            if output.resolve() in read | written:
-                raise InputError(f"{output}: would be written over; give another name")
-            written.add(output.resolve())
 
 
 def check_neighborhood(side: int) -> int:
