@@ -75,11 +75,17 @@ def make_alone(pixels: Floats) -> Floats:
     return synthesise_anisometric(pixels, alike, 0 * alike, key=KEY, tileable=True)
 
 
+_made: dict[tuple[bytes, bytes], tuple[Floats, Labels]] = {}
+
+
 def make_with(exemplar: tuple[Floats, Labels]) -> tuple[Floats, Labels]:
-    """More of an exemplar, and the mask that results."""
+    """More of an exemplar, and the mask that results; made once, as figures share exemplars."""
     picture, mask = exemplar
-    sources = jt.synthesise_masked(picture, mask, SHAPE, key=KEY)
-    return copy_sources(picture, sources), copy_sources(mask, sources)
+    known = picture.tobytes(), mask.tobytes()
+    if known not in _made:
+        sources = jt.synthesise_masked(picture, mask, SHAPE, key=KEY)
+        _made[known] = copy_sources(picture, sources), copy_sources(mask, sources)
+    return _made[known]
 
 
 def lay_rows(rows: Sequence[Sequence[npt.NDArray]]) -> Floats:

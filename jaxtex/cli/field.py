@@ -43,7 +43,7 @@ class Field:
     def run(self) -> int:
         import numpy as np
 
-        from jaxtex.cli.files import write_together
+        from jaxtex.cli.files import check_names, write_together
         from jaxtex.core.errors import InputError
         from jaxtex.io.images import read_image, write_image
         from jaxtex.progressive.key_files import make_field, read_keys
@@ -51,8 +51,7 @@ class Field:
 
         if self.output.suffix.lower() != ".exr":
             raise InputError(f"{self.output}: a field is written as .exr, whose numbers are not cut at 0 and 1")
-        if self.preview is not None and self.preview.absolute() == self.output.absolute():
-            raise InputError(f"{self.preview}: is to be both the field and its preview; give them two names")
+        check_names([self.over], [self.output, self.preview], keys=self.keys)
         keys = read_keys(self.keys)
         kind = self.kind or _only_kind(self.keys, keys)
         ground = None if self.over is None else read_image(self.over).pixels

@@ -1,6 +1,6 @@
-"""Several files written by one command: all of them or none."""
+"""Files of one command: none written over another, and all of them written or none."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -29,3 +29,29 @@ def write_together(writers: Mapping[Path, Callable[[Path], None]]) -> None:
                 write(temporary)
             except InputError as error:
                 raise InputError(str(error).replace(str(temporary), str(path))) from None
+
+
+def check_names(inputs: Sequence[Path | None], outputs: Sequence[Path | None], *, keys: Path | None = None) -> None:
+    """Refuse to write over what is read, to write two things to one file, or to where no file can be; before work that
+    takes long.
+
+    Args:
+        inputs, outputs: files; None where an option is not given.
+        keys: a file of keys among the inputs, with the pictures that it names.
+
+    Raises:
+        InputError: that is so, or the keys cannot be read.
+    """
+    from jaxtex.core.errors import InputError
+    from jaxtex.io.files import place_for_file
+    from jaxtex.progressive.key_files import list_maps
+
+    maps = [] if keys is None else [keys, *list_maps(keys)]
+    read = {each.resolve() for each in (*inputs, *maps) if each is not None}
+    written: set[Path] = set()
+    for output in outputs:
+        if output is not None:
+            place_for_file(output)
+            if output.resolve() in read | written:
+                raise InputError(f"{output}: would be written over; give another name")
+            written.add(output.resolve())

@@ -21,12 +21,15 @@ def name_maps(
         InputError: a map cannot be read or is of another size, its file cannot be written, is another one's too, or
             something that is read.
     """
-    from jaxtex.io.copies import check_copies
+    from jaxtex.io.copies import FORMATS, check_copies
     from jaxtex.io.raster import read_raster
 
     inputs = {path.resolve() for paths in options.values() for path in paths}
     maps: list[tuple[Path, Path]] = []
     for option, path in ((option, path) for option, paths in options.items() for path in paths):
+        if path.suffix.lower() not in FORMATS:
+            told = f"{', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
+            raise InputError(f"{option}: {path}: the result is of its format; convert it to {told} first")
         height, width = read_raster(path).numbers.shape[:2]
         if (width, height) != size:
             told = f"{size[0]} x {size[1]}"

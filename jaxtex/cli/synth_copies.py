@@ -55,8 +55,8 @@ def make_of_copies(options: "Synth", size: tuple[int, int] | None, rectangles: l
     if size is not None:
         check_memory(f"--size: {size[0]}x{size[1]}", _LEAST_MEMORY * size[0] * size[1])
     exemplar = _read_exemplar(options.exemplar, rectangles)
-    _check_outputs(options)
     maps = name_maps({"--also": options.also}, options.exemplar, exemplar.size, options.output)
+    _check_outputs(options, [made for _, made in maps])
     steps = start_method(options, exemplar.encoded, exemplar.white, size, jax.random.key(options.seed))
     sources = _watch(options, exemplar, steps)
     rows, columns = np.moveaxis(sources + np.array(exemplar.corner), -1, 0)
@@ -120,15 +120,16 @@ def _read_exemplar(path: Path, rectangles: list[Rectangle]) -> _Exemplar:
     return _Exemplar(pixels[inside], white, (inside[0].start, inside[1].start), size)
 
 
-def _check_outputs(options: "Synth") -> None:
-    """All files are known to be writable then, but for the other maps'."""
+def _check_outputs(options: "Synth", maps: list[Path]) -> None:
+    """All files are known to be writable then, and none written over another; `maps` are the other maps'."""
+    from jaxtex.cli.files import check_names
     from jaxtex.io.copies import check_copies
 
     check_copies(options.exemplar, options.output)
     if options.preview is not None:
         check_copies(options.exemplar, options.preview)
-        if options.preview.resolve() in {each.resolve() for each in (options.exemplar, options.output, *options.also)}:
-            raise InputError(f"--preview: {options.preview} would be written over; give another name")
+    inputs = [options.exemplar, options.target, options.inpaint, options.texton_mask]
+    check_names([*inputs, *(options.guide or ()), *options.also], [options.output, *maps, options.preview])
 
 
 def _watch(options: "Synth", exemplar: _Exemplar, steps: Iterator["Step"]) -> "Sources":

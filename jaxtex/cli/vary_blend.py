@@ -1,5 +1,6 @@
 """`jaxtex vary blend`: a texture that becomes another, elements and colours together."""
 
+import shlex
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,13 +60,14 @@ class VaryBlend:
 
     def run(self) -> int:
         from jaxtex.cli import varying
+        from jaxtex.cli.files import check_names
         from jaxtex.cli.values import check_seed
 
         check_seed(self.seed)
         radius = varying.check_neighborhood(self.neighborhood)
         self._check()
-        inputs = [*self.exemplars, *self.masks, *self.weights, self.transition, self.keys]
-        varying.check_names(inputs, [self.output, self.mask_output, self.save])
+        inputs = [*self.exemplars, *self.masks, *self.weights, self.transition]
+        check_names(inputs, [self.output, self.mask_output, self.save], keys=self.keys)
         pictures = [varying.read_exemplar(each, self.neighborhood) for each in self.exemplars]
         if len({each.shape[2] for each in pictures}) > 1:
             pictures = [each.repeat(3 // each.shape[2], axis=2) for each in pictures]
@@ -112,12 +114,16 @@ class VaryBlend:
         contrasts = [measure_contrast(*each) for each in zip(pictures, masks, strict=True)]
         dark, light = contrasts.index(min(contrasts)), contrasts.index(max(contrasts))
         if contrasts[dark] < -_CLEAR and contrasts[light] > _CLEAR:
-            print(
+            told = (
                 f"jaxtex: hint: elements are darker than what is around them in {self.exemplars[dark]} and lighter in "
-                f"{self.exemplars[light]}, so they fade halfway; if a mask marks gaps, turn it round: jaxtex "
-                f"texton-mask EXEMPLAR --painted MASK --invert -o OTHER",
-                file=sys.stderr,
+                f"{self.exemplars[light]}, so they fade halfway"
             )
+            if masks[dark].max() == 1:  # of more types, inverting would leave one
+                name, mask = self.exemplars[dark], self.masks[dark]
+                other = mask.with_name(f"{mask.stem}_inverted.png")
+                words = shlex.join(["jaxtex", "texton-mask", f"{name}", "--painted", f"{mask}", "--invert"])
+                told += f"; if a mask marks gaps, turn it round, as by: {words} -o {shlex.quote(str(other))}"
+            print(told, file=sys.stderr)
 
     def _read_weights(self, size: tuple[int, int]) -> "np.ndarray":
         """[texture, row, col]."""

@@ -56,7 +56,8 @@ class VaryDistort:
     one type of element or the ground."""
     also: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="MAP ...", help_behavior_hint="")] = ()
     """Other maps of the exemplar's material and size (height, roughness, ...), of any depth. The same is made of the
-    numbers in each, in OUTPUT_MAP beside the output: made.png and height.png make made_height.png."""
+    numbers in each, in OUTPUT_MAP beside the output: made.png and height.png make made_height.png. Heights stay as they
+    are, so slopes are gentler where things are larger and steeper where they are smaller; normals keep theirs."""
     normals: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="MAP ...", help_behavior_hint="")] = ()
     """Likewise maps of normals, whose directions turn as things do: x right in red, y up in green (OpenGL's)."""
     tileable: bool = False
@@ -89,8 +90,10 @@ class VaryDistort:
 
     def _name_maps(self, image: "Image") -> list[tuple[Path, Path]]:
         """Other maps, and the files that they are written to; all files are known to be writable then."""
+        import numpy as np
+
+        from jaxtex.cli.files import check_names
         from jaxtex.cli.other_maps import name_maps
-        from jaxtex.cli.varying import check_names
         from jaxtex.io.copies import check_copies
         from jaxtex.io.raster import read_raster
 
@@ -98,11 +101,15 @@ class VaryDistort:
         others = {"--also": self.also, "--normals": self.normals}
         maps = name_maps(others, self.exemplar, (image.width, image.height), self.output)
         fields = [Path(word) for word in (self.scale, self.orientation) if word]
-        inputs = [self.exemplar, self.keys, self.texton_mask, *fields, *self.also, *self.normals]
-        check_names(inputs, [self.output, self.save, *(made for _, made in maps)])
-        for path in self.normals:
-            if len(read_raster(path).channels) < 3:
-                raise InputError(f"--normals: {path} has fewer than three channels; give x, y and z")
+        inputs = [self.exemplar, self.texton_mask, *fields, *self.also, *self.normals]
+        check_names(inputs, [self.output, self.save, *(made for _, made in maps)], keys=self.keys)
+        for option, paths in others.items():
+            for path in paths:
+                raster = read_raster(path)
+                if option == "--normals" and len(raster.channels) < 3:
+                    raise InputError(f"--normals: {path} has fewer than three channels; give x, y and z")
+                if not np.isfinite(raster.numbers).all():  # they would spread to what is mixed with them
+                    raise InputError(f"{option}: {path} holds numbers that are NaN or infinite; replace them")
         return maps
 
     def _read_fields(self, size: tuple[int, int]) -> tuple["np.ndarray", "np.ndarray"]:
@@ -176,10 +183,9 @@ class VaryDistort:
         from jaxtex.progressive.varying import write_varying
 
         picture = made.show(_with_alpha(image))
+        seen = picture if image.alpha is None else _unweigh(picture, -1)
         deep = read_raster(self.exemplar)
-        writers: dict[Path, Callable[[Path], None]] = {
-            self.output: lambda path: write_as_deep(deep, path, _without_alpha(image, picture))
-        }
+        writers: dict[Path, Callable[[Path], None]] = {self.output: lambda path: write_as_deep(deep, path, seen)}
         for source, output in maps:
             writers[output] = partial(_write_map, source, made=made, turns=source in self.normals)
         if self.save is not None:
@@ -229,13 +235,17 @@ def _write_map(source: Path, output: Path, *, made: _Made, turns: bool) -> None:
     import numpy as np
 
     from jaxtex.io.copies import write_like
-    from jaxtex.progressive.normal_maps import turn_normals
+    from jaxtex.io.raster import read_raster
+    from jaxtex.progressive.normal_maps import is_signed, turn_normals
+
+    raster = read_raster(source)
+    alpha = raster.channels.index("A") if "A" in raster.channels and not raster.premultiplied else None
 
     def show(numbers: "np.ndarray") -> "np.ndarray":
-        shown = made.show(numbers)
-        if turns:  # integers, and floats of which none is below 0, stand for -1 to 1
+        shown = made.show(numbers) if alpha is None else _unweigh(made.show(_weigh(numbers, alpha)), alpha)
+        if turns:
             most = np.iinfo(numbers.dtype).max if np.issubdtype(numbers.dtype, np.integer) else 1
-            half, middle = (1, 0) if numbers.min() < 0 else (most / 2, most / 2)
+            half, middle = (1, 0) if most == 1 and is_signed(numbers[..., :3]) else (most / 2, most / 2)
             turned = turn_normals((shown[..., :3] - middle) / half, _angles_of(made.orientation))
             shown[..., :3] = middle + half * turned
         return shown
@@ -282,16 +292,23 @@ def _with_alpha(image: "Image") -> "np.ndarray":
 
     if image.alpha is None:
         return image.pixels
-    cover = image.alpha[..., None]
-    return np.concatenate([image.pixels * cover, cover], axis=2)
+    return _weigh(np.concatenate([image.pixels, image.alpha[..., None]], axis=2), -1)
 
 
-def _without_alpha(image: "Image", made: "np.ndarray") -> "np.ndarray":
-    """Colours that are multiplied by alpha no more, and alpha, where the exemplar has one."""
+def _weigh(picture: "np.ndarray", alpha: int) -> "np.ndarray":
+    """All channels multiplied by that of alpha, but for itself, so that what is not seen is not mixed in."""
     import numpy as np
 
-    if image.alpha is None:
-        return made
-    cover = made[..., -1:]
-    colours = np.divide(made[..., :-1], cover, out=np.zeros_like(made[..., :-1]), where=cover > 0)
-    return np.concatenate([colours, cover], axis=2)
+    weighted = picture.astype(np.float32) * picture[..., alpha, None]
+    weighted[..., alpha] = picture[..., alpha]
+    return weighted
+
+
+def _unweigh(picture: "np.ndarray", alpha: int) -> "np.ndarray":
+    """What was multiplied by alpha before, multiplied no more; 0 where alpha is."""
+    import numpy as np
+
+    cover = picture[..., alpha, None]
+    plain = np.divide(picture, cover, out=np.zeros_like(picture), where=cover > 0)
+    plain[..., alpha] = picture[..., alpha]
+    return plain

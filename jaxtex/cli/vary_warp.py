@@ -81,15 +81,17 @@ class VaryWarp:
 
     def run(self) -> int:
         from jaxtex.cli import varying
+        from jaxtex.cli.files import check_names
         from jaxtex.cli.values import check_seed
 
         check_seed(self.seed)
         radius = varying.check_neighborhood(self.neighborhood)
         growths = [_parse_growth(word) for word in self.grow]
         self._check(bool(growths))
-        varying.check_names(
-            [self.exemplar, self.mask, self.displace, self.transition, self.keys],
+        check_names(
+            [self.exemplar, self.mask, self.displace, self.transition],
             [self.output, self.mask_output, self.save],
+            keys=self.keys,
         )
         pixels = varying.read_exemplar(self.exemplar, self.neighborhood)
         labels = varying.read_mask_of(self.mask, self.exemplar, pixels)

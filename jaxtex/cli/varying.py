@@ -156,21 +156,6 @@ def write_results(output: Path, varying: "VaryingTexture", *, save: Path | None,
         print(f"{mask}: its mask")
 
 
-def check_names(inputs: list[Path | None], outputs: list[Path | None]) -> None:
-    """Refuse to write over what is read, or to write two things to one file.
-
-    Raises:
-        InputError: that is so.
-    """
-    read = {each.resolve() for each in inputs if each is not None}
-    written: set[Path] = set()
-    for output in outputs:
-        if output is not None:
-            if output.resolve() in read | written:
-                raise InputError(f"{output}: would be written over; give another name")
-            written.add(output.resolve())
-
-
 def check_neighborhood(side: int) -> int:
     """The radius of squares of pixels that are compared.
 

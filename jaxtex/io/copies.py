@@ -21,6 +21,9 @@ _HOLDS = {
     ".jpeg": ("uint8",),
     ".exr": ("float32",),
 }
+FORMATS = tuple(_HOLDS)
+"""Extensions of files that are written."""
+
 _LOSSY = (".jpg", ".jpeg")
 
 
@@ -34,7 +37,7 @@ def check_copies(picture: Path | str, output: Path | str) -> None:
     output = place_for_file(output)
     suffix, channels = output.suffix.lower(), read_raster(picture).channels
     if suffix not in _HOLDS:
-        raise InputError(f"{output}: cannot be written as '{output.suffix}'; name it {', '.join(_HOLDS)}")
+        raise InputError(f"{output}: cannot be written as '{output.suffix}'; name it {', '.join(FORMATS)}")
     if suffix in _LOSSY and "A" in channels:
         raise InputError(f"{output}: a JPEG file has no alpha, which {picture} has; write a .png file")
 

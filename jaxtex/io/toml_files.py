@@ -28,11 +28,13 @@ def read_toml(path: Path | str, what: str) -> dict[str, Any]:
     """
     path = existing_file(path)
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8"))
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))  # some editors write a byte order mark first
     except UnicodeDecodeError:
         raise InputError(f"{path}: is not a text file; give {what}") from None
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # TOMLDecodeError, or an integer of thousands of digits
         raise InputError(f"{path}: is no TOML ({error}); correct it there") from None
+    except RecursionError:
+        raise InputError(f"{path}: has brackets too deep in each other; correct it there") from None
 
 
 def tables_of(document: Mapping[str, Any], name: str, path: Path | str, what: str) -> list[dict[str, Any]]:
@@ -81,10 +83,15 @@ def check_names(where: str, table: Mapping[str, Any], known: Collection[str]) ->
 
 
 def is_number(value: Any) -> bool:
-    """Whether an entry is a finite number.
+    """Whether an entry is a finite number, and no integer beyond what floating-point numbers hold.
 
     Examples:
-        >>> is_number(2), is_number(True), is_number(math.inf)
-        (True, False, False)
+        >>> is_number(2), is_number(True), is_number(math.inf), is_number(10**400)
+        (True, False, False, False)
     """
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False

@@ -106,6 +106,26 @@ def read_keys(path: Path | str) -> FieldKeys:
     return FieldKeys(**given, symmetric=symmetric)
 
 
+def list_maps(path: Path | str) -> list[Path]:
+    """The pictures that a file of keys names, so that nothing is written over them.
+
+    Args:
+        path: the file; what is wrong with its entries, `read_keys` tells.
+
+    Raises:
+        InputError: there is no such file, or it is no TOML.
+
+    Examples:
+        >>> _ = Path("keys.toml").write_text("[[scale]]\\nmap = 'half.png'\\n")
+        >>> [each.name for each in list_maps("keys.toml")]
+        ['half.png']
+    """
+    path = Path(path)
+    document = read_toml(path, "a file of keys (keys.toml)")
+    tables = [table for kind in KINDS for table in tables_of(document, kind, path, "key")]
+    return [path.parent / table["map"] for table in tables if isinstance(table.get("map"), str)]
+
+
 def make_field(keys: FieldKeys, kind: FieldKind, size: tuple[int, int]) -> npt.NDArray[np.float32]:
     """One of the fields over a picture.
 

@@ -4,6 +4,25 @@ import numpy as np
 import numpy.typing as npt
 
 
+def is_signed(normals: npt.ArrayLike) -> bool:
+    """Whether a map of normals holds numbers from -1 to 1 as they are; else they are written as 0 to 1. That reading is
+    taken in which lengths come nearer to 1.
+
+    Args:
+        normals: floats, [row, col, 3].
+
+    Examples:
+        >>> is_signed([[[0.0, 0.0, 1.0]]]), is_signed([[[0.5, 0.5, 1.0]]])
+        (True, False)
+    """
+    vectors = np.asarray(normals, np.float32)
+
+    def miss(read: npt.NDArray[np.float32]) -> float:
+        return float(np.median(np.abs(np.linalg.norm(read, axis=-1) - 1)))
+
+    return miss(vectors) <= miss(2 * vectors - 1)
+
+
 def turn_normals(normals: npt.ArrayLike, orientation: npt.ArrayLike) -> npt.NDArray[np.float32]:
     """Directions of a texture that is made of turned pieces, from those that stand in the pieces.
 

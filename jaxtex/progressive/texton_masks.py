@@ -156,6 +156,7 @@ def refine_texton_mask(mask: npt.ArrayLike, operation: Operation, radius: float)
         radius: of the disk, or breadth of the rim, in pixels, 0 or more.
 
     Raises:
+        ValueError: another operation.
         InputError: no mask, or a radius below 0.
 
     Examples:
@@ -168,6 +169,8 @@ def refine_texton_mask(mask: npt.ArrayLike, operation: Operation, radius: float)
         >>> refine_texton_mask([[1, 1, 2, 2, 0]], "erode", 1)
         array([[1, 1, 2, 0, 0]], dtype=uint8)
     """
+    if operation not in _OPERATIONS:
+        raise ValueError(f"operation: {operation!r} is not known; give {', '.join(_OPERATIONS)}")
     labels = check_texton_mask(mask)
     return _fit_to(labels, _OPERATIONS[operation](labels > 0, radius))
 

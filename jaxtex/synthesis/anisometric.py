@@ -27,9 +27,7 @@ from jaxtex.synthesis.neighbourhoods import check_exemplar
 SIMILAR = 3
 """Places beside its own continuation that each neighbour brings as candidates, unless told: k - 1."""
 
-COARSEST = 32
-"""Pixels along the shorter side of an exemplar at the coarsest resolution."""
-
+_COARSEST = 32  # pixels along the shorter side of an exemplar
 _PASSES, _COARSE_PASSES = 2, 6
 _LEAST_SIDE = 4  # pixels of the texture's coarsest resolution
 _MOST_SAMPLES = 4  # along each axis, to a pixel in which more than one of the exemplar's are seen
@@ -155,7 +153,7 @@ def anisometric_steps(
         raise ValueError(f"similar: {similar} is below 0")
     pixels, guide = weigh_guides(pixels, guides, frames.shape[:2], guide_weight)
     everywhere = np.ones(pixels.shape[:2], bool)
-    levels = analyse_levels(pixels, everywhere, radius=radius, coarsest=COARSEST, similar=max(similar, 1), frames=own)
+    levels = analyse_levels(pixels, everywhere, radius=radius, coarsest=_COARSEST, similar=max(similar, 1), frames=own)
     values = _check_transition(transition, pixels.shape[:2], frames.shape[:2])
     given = Given(frames, guide, values)
     tolerance = transition.tolerance if transition is not None else np.inf

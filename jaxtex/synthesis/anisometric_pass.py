@@ -123,7 +123,7 @@ def decide_all(
             return jnp.where(_LEAP * least < distance, far, near)
 
         def decide_some(number: Array, moved: Array) -> Array:
-            some = lax.dynamic_slice(turn[0], (number * batch, 0), (batch, 2))
+            some = lax.dynamic_slice_in_dim(turn[0], number * batch, batch)
             return moved.at[some[:, 0], some[:, 1]].set(jax.vmap(decide)(some), mode="drop")
 
         return lax.fori_loop(0, -(-turn[1] // batch), decide_some, sources), None

@@ -5,14 +5,18 @@ refinement pass with a small neighborhood size". What is near counts more then: 
 them.
 """
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
-from jaxtex.synthesis.anisometric import COARSEST, SIMILAR, make_frames
+from jaxtex.synthesis.anisometric import SIMILAR, make_frames
 from jaxtex.synthesis.anisometric_pass import Floats, Given, Known, decide_all, order_pixels
 from jaxtex.synthesis.exemplars import analyse_levels
 from jaxtex.synthesis.guides import GUIDE_WEIGHT, weigh_guides
 from jaxtex.synthesis.neighbourhoods import check_exemplar
+
+_ALL_AT_ONCE = 1 << 12  # places that are compared each with each
 
 
 def refine_anisometric(
@@ -55,10 +59,22 @@ def refine_anisometric(
         raise ValueError(f"similar: {similar} is below 0")
     size, everywhere = pixels.shape[:2], np.ones(pixels.shape[:2], bool)
     pixels, guide = weigh_guides(pixels, guides, frames.shape[:2], guide_weight)
-    # Places that look alike are found from coarse to fine: among all places at once that takes many times as long.
-    level = analyse_levels(pixels, everywhere, radius=radius, coarsest=COARSEST, similar=max(similar, 1))[0]
+    coarsest = _coarsest_side(size, radius)
+    level = analyse_levels(pixels, everywhere, radius=radius, coarsest=coarsest, similar=max(similar, 1))[0]
     alike = level.similar[:, : 1 + similar]
     known = Known(level.pixels, level.valid, level.basis, level.features, alike, level.frames)
     given = Given(frames, guide, (np.zeros(size, np.float32), np.zeros(frames.shape[:2], np.float32)))
     order = order_pixels(np.ones(frames.shape[:2], bool))
     return np.asarray(decide_all(known, given, start, np.float32(np.inf), *order, radius, False, tileable))
+
+
+def _coarsest_side(size: tuple[int, ...], radius: int) -> int:
+    """The shorter side at the finest resolution of an exemplar at which all of its places are compared.
+
+    Among all places at once those that look alike are found best. That takes too long of large exemplars, so they are
+    sought from that resolution to finer ones: less alike, but at 256 x 256 in a fourteenth of the time.
+    """
+    halved = 0
+    while math.prod(-(-side >> halved) - 2 * radius for side in size) > _ALL_AT_ONCE:
+        halved += 1
+    return min(size) >> halved

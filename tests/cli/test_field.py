@@ -65,7 +65,10 @@ FIELDS = [
     (["no.toml", "-o", "f.exr", "--size", "8x8"], "no.toml: there is no such file"),
     (["keys.toml", "-o", "f.exr", "--kind", "scale", "--size", "8"], "--size: '8' is no size"),
     (["keys.toml", "-o", "f.exr", "--kind", "scale", "--size", "8x8", "--over", "hide.png"], "hide.png is 128 x 96"),
-    (["keys.toml", "-o", "f.exr", "--kind", "scale", "--size", "8x8", "--preview", "f.exr"], "give them two names"),
+    (
+        ["keys.toml", "-o", "f.exr", "--kind", "scale", "--size", "8x8", "--preview", "f.exr"],
+        "f.exr: would be written over",
+    ),
     (["keys.toml", "-o", "f.exr", "--kind", "scale", "--size", "8x8", "--preview", "no/l.png"], "no/l.png: cannot be"),
     (["keys.toml", "-o", "f.exr", "--kind", "scael", "--size", "8x8"], "--kind"),
 ]

@@ -8,7 +8,7 @@ import pytest
 from jaxtex.cli.main import main
 from jaxtex.io.images import read_image, write_image
 from jaxtex.io.masks import write_mask
-from jaxtex.io.raster import read_raster
+from jaxtex.io.raster import read_raster, writing_raster
 from jaxtex.progressive.varying import read_varying
 from jaxtex.synthesis.anisometric import sample_sources
 
@@ -100,8 +100,7 @@ def test_other_maps_go_along(exemplar: Path, capsys: pytest.CaptureFixture[str])
 @pytest.mark.parametrize("name", ["normal.png", "normal.exr"])
 def test_normals_turn_with_things(exemplar: Path, name: str) -> None:
     normals, output = exemplar.with_name(name), exemplar.with_name("made.png")
-    towards_right = np.broadcast_to(np.float32([0.8, 0.0, 0.6]), (56, 64, 3)).copy()
-    towards_right[0, 0] = -0.8, 0, 0.6  # all of a map are seldom in one direction
+    towards_right = np.broadcast_to(np.float32([0.8, 0.0, 0.6]), (56, 64, 3))
     signed = normals.suffix == ".exr"
     write_image(normals, towards_right if signed else 0.5 + 0.5 * towards_right, colour_space="data")
     words = ["--size", "24x20", "--orientation", "30", "--normals", normals]
@@ -112,11 +111,24 @@ def test_normals_turn_with_things(exemplar: Path, name: str) -> None:
     np.testing.assert_allclose(turned, [0.8 * np.cos(down), -0.8 * np.sin(down), 0.6], atol=0.01)
 
 
+def test_what_is_not_seen_of_other_maps_is_not_mixed_in(exemplar: Path) -> None:
+    cover, output = exemplar.with_name("cover.png"), exemplar.with_name("made.png")
+    pixels = np.zeros((56, 64, 4), np.float32)
+    pixels[:, np.arange(64) % 8 < 4] = 0.5, 0.25, 0.5, 1
+    write_image(cover, pixels, colour_space="data")
+    assert distort(exemplar, "-o", output, "--size", "24x20", "--scale", "2.5", "--also", cover) == 0
+    made = read_raster(exemplar.with_name("made_cover.png")).numbers
+    some = (made[..., 3] > 20) & (made[..., 3] < 235)
+    assert some.any()
+    np.testing.assert_allclose(made[some][:, :3], np.broadcast_to([128, 64, 128], (some.sum(), 3)), atol=2)
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
         (["--also", "small.png"], "--also: small.png is 9 x 8 pixels, and the exemplar is 64 x 56"),
         (["--normals", "grey.png"], "--normals: grey.png has fewer than three channels"),
+        (["--also", "holes.exr"], "--also: holes.exr holds numbers that are NaN or infinite"),
         (["--normals", "grey.png", "--also", "grey.png"], "two maps would be written to made_grey.png"),
         (["--also", "grey.png", "--save", "made_grey.png"], "made_grey.png: would be written over"),
         (["--also", "grey.png", "--texton-mask", "made_grey.png"], "made_grey.png: would be written over"),
@@ -128,6 +140,8 @@ def test_maps_that_do_not_go_along(
     monkeypatch.chdir(exemplar.parent)
     write_image("small.png", np.zeros((8, 9)))
     write_image("grey.png", np.zeros((56, 64)))
+    with writing_raster("holes.exr", size=(64, 56), channels=1, kind="float", attributes={}) as write_rows:
+        write_rows(np.where(np.eye(56, 64) > 0, np.nan, 0).astype(np.float32)[..., None])
     assert told in complain(capsys, "exemplar.png", "-o", "made.png", *words)
     assert not Path("made.png").exists()
 
@@ -165,3 +179,11 @@ def test_files_that_do_not_go_together(exemplar: Path, capsys: pytest.CaptureFix
     assert "no keys of scale or orientation" in complain(capsys, exemplar, "-o", output, "--keys", keys)
     write_image(other, np.random.default_rng(0).random((5, 40, 3)))
     assert "smaller --neighborhood" in complain(capsys, other, "-o", output)
+
+
+def test_that_files_cannot_be_written_is_told_before_long_work(
+    exemplar: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("jaxtex.synthesis.anisometric.anisometric_steps", lambda *_, **__: pytest.fail("has begun"))
+    words = [exemplar, "-o", exemplar.with_name("made.png"), "--save", exemplar.parent / "absent" / "v.npz"]
+    assert "there is no folder" in complain(capsys, *words)

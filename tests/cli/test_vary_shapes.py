@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from jaxtex.cli.main import main
+from jaxtex.cli.vary_blend import VaryBlend
+from jaxtex.core.errors import InputError
 from jaxtex.io.images import read_image, write_image
 from jaxtex.io.masks import write_mask
 from jaxtex.progressive.texton_masks import read_texton_mask, write_texton_mask
@@ -102,6 +104,28 @@ def test_elements_that_are_dark_in_one_and_light_in_the_other_are_told(capsys: p
     hint = capsys.readouterr().err
     assert hint.count("\n") == 1
     assert "darker than what is around them in stripes.png and lighter in spots.png" in hint
+    command = "jaxtex texton-mask stripes.png --painted stripes_mask.png --invert -o stripes_mask_inverted.png"
+    assert hint.rstrip().endswith(command)
+    assert main(command.split()[1:]) == 0
+    np.testing.assert_array_equal(
+        read_texton_mask("stripes_mask_inverted.png"), 1 - read_texton_mask("stripes_mask.png")
+    )
+
+
+def test_masks_of_more_types_are_not_to_be_turned_round(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*_: object) -> None:
+        raise InputError("stopped")
+
+    monkeypatch.setattr(VaryBlend, "_blend", stop)
+    write_image("spots.png", np.where(spots(16, 5), 0.6, 0.1))
+    for name in ("stripes", "spots"):
+        mask = read_texton_mask(f"{name}_mask.png")
+        mask[:2, :2], mask[:2, 2:4] = 2, 0
+        write_texton_mask(f"{name}_mask.png", mask)
+    assert main(["vary", *BLEND, "--size", "24x16"]) == 2
+    assert "so they fade halfway\n" in capsys.readouterr().err
 
 
 def test_weights_place_three_textures() -> None:
@@ -134,6 +158,7 @@ BLEND = ["blend", "stripes.png", "spots.png", "-o", "out.png", "--masks", "strip
         ([*WARP, "--grow=1", "--transition", "stripes.png"], "stripes.png: is no transition"),
         ([*WARP, "--grow=1", "--transition", "absent.png"], "absent.png"),
         ([*WARP, "--grow=1", "--mask-output", "stripes_mask.png"], "written over"),
+        ([*WARP, "--grow=1", "--keys", "maps.toml", "--save", "black.png"], "black.png: would be written over"),
         ([*WARP, "--grow=1", "--size", "8x99"], "--size"),
         ([*WARP, "--displace", "stripes_mask.png"], "one channel"),
         (["warp", "stripes.png", "small_mask.png", "-o", "out.png", "--grow=1"], "small_mask.png: is 10 x 20"),
@@ -159,5 +184,6 @@ def test_what_cannot_be_done_is_said_in_one_line(
     write_mask("black.png", np.zeros((4, 4)))
     write_texton_mask("three_mask.png", stripes() + spots(16, 3))
     Path("keys.toml").write_text("[[scale]]\nat = [0.5, 0.5]\nvalue = 2\n")
+    Path("maps.toml").write_text("[[transition]]\nmap = 'black.png'\n")
     assert told in complain(capsys, *words)
     assert not Path("out.png").exists()

@@ -199,3 +199,8 @@ def test_contrast_is_that_of_all_types_of_elements_against_what_is_none() -> Non
     assert tm.measure_contrast(light, np.zeros((4, 8))) == 0
     with pytest.raises(InputError):
         tm.measure_contrast(light, labels[:2])
+
+
+def test_an_unknown_operation_is_named_with_those_there_are() -> None:
+    with pytest.raises(ValueError, match="'opening' is not known; give open, close, dilate, erode"):
+        tm.refine_texton_mask(np.eye(4), "opening", 1)  # type: ignore[arg-type]

@@ -270,3 +270,11 @@ def test_frames_turn_clockwise_as_seen() -> None:
     np.testing.assert_allclose(frame @ [0, 1], [2, 0], atol=1e-6)  # to the right becomes down
     np.testing.assert_allclose(frame @ [1, 0], [0, -2], atol=1e-6)
     assert jnp.asarray(frame).dtype == jnp.float32
+
+
+def test_double_precision() -> None:
+    exemplar, fields = draw_stripes(16, 16, 8), (np.full((12, 12), 1.5), np.full((12, 12), 0.5))
+    with jax.enable_x64():
+        made = synthesise_anisometric(exemplar, *fields, key=jax.random.key(0), similar=1)
+    assert made.shape == (12, 12, 2)
+    assert ((made >= 0) & (made <= 15)).all()

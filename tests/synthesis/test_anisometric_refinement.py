@@ -2,6 +2,7 @@ import jax
 import numpy as np
 import pytest
 
+from jaxtex.synthesis import anisometric_refinement
 from jaxtex.synthesis.anisometric import synthesise_anisometric
 from jaxtex.synthesis.anisometric_refinement import refine_anisometric
 
@@ -23,6 +24,21 @@ def test_borders_come_nearer_to_where_guides_have_them() -> None:
     assert missed(again) < missed(first)
     assert (again >= 0).all()
     assert (again <= 63).all()
+
+
+@pytest.mark.parametrize(("side", "count"), [(40, 1), (68, 1), (69, 2), (136, 2), (137, 3)])
+def test_small_exemplars_are_searched_all_at_once(side: int, count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    def analyse(pixels: np.ndarray, *given: object, coarsest: int, **options: object) -> None:
+        sides = [side]
+        while sides[-1] >= 2 * coarsest:
+            sides.append(-(-sides[-1] // 2))
+        assert len(sides) == count
+        assert (sides[-1] - 4) ** 2 <= 4096
+        raise InterruptedError
+
+    monkeypatch.setattr(anisometric_refinement, "analyse_levels", analyse)
+    with pytest.raises(InterruptedError):
+        refine_anisometric(np.zeros((side, side, 1)), np.zeros((4, 4, 2)), np.ones((4, 4)), np.zeros((4, 4)))
 
 
 def test_wrong_arguments_are_named() -> None:

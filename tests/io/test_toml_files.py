@@ -1,0 +1,30 @@
+"""Files written by hand: what editors add to them, and what is wrong with them."""
+
+from pathlib import Path
+
+import pytest
+
+from jaxtex.core.errors import InputError
+from jaxtex.io.toml_files import read_toml
+
+
+def test_a_byte_order_mark_is_no_content(tmp_path: Path) -> None:
+    path = tmp_path / "keys.toml"
+    path.write_bytes(b"\xef\xbb\xbfvalue = 2\n")
+    assert read_toml(path, "a file of keys") == {"value": 2}
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (b"value = \xff", "is not a text file; give a file of keys"),
+        (b"value 2", "is no TOML"),
+        (b"value = " + 5000 * b"[", "brackets too deep in each other"),
+        (b"value = " + 5000 * b"9", "is no TOML"),
+    ],
+)
+def test_faults_are_told(tmp_path: Path, content: bytes, told: str) -> None:
+    path = tmp_path / "keys.toml"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=told):
+        read_toml(path, "a file of keys")
