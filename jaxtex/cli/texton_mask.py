@@ -63,8 +63,7 @@ class TextonMask:
     def run(self) -> int:
         import numpy as np
 
-        from jaxtex.cli.files import write_together
-        from jaxtex.cli.varying import check_names
+        from jaxtex.cli.files import check_names, write_together
         from jaxtex.core.errors import InputError
         from jaxtex.io.images import read_image, write_image
         from jaxtex.progressive.plots import overlay_texton_mask

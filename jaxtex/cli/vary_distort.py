@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from jaxtex.io.images import Image
+    from jaxtex.progressive.key_files import FieldKind
     from jaxtex.progressive.varying import VaryingTexture
 
 _LEAST_SCALE, _MOST_SCALE = 0.125, 16.0
@@ -45,12 +46,12 @@ class VaryDistort:
     """Its size in pixels. By default the exemplar's."""
     scale: Annotated[str | None, tyro.conf.arg(metavar="NUMBER|MAP", help_behavior_hint="")] = None
     """How many times as large as in the exemplar things are: a number, or a picture of one channel that holds such
-    numbers (.exr). It is stretched over the result. By default 1."""
+    numbers (.exr), from 0.125 to 16. It is stretched over the result. By default 1."""
     orientation: Annotated[str | None, tyro.conf.arg(metavar="DEGREES|MAP", help_behavior_hint="")] = None
     """How far things are turned, clockwise: degrees, or a picture whose first two channels are (x, y) of the direction
     in which the exemplar's rows are to run, y down (.exr, of numbers from -1 to 1). By default 0."""
     keys: Annotated[Path | None, tyro.conf.arg(metavar="KEYS.toml", help_behavior_hint="")] = None
-    """Keys of scale and orientation, as `jaxtex field` takes them."""
+    """Keys of scale, orientation or both, as `jaxtex field` takes them."""
     texton_mask: Annotated[Path | None, tyro.conf.arg(metavar="MASK", help_behavior_hint="")] = None
     """A mask of the exemplar's size that marks its elements, so that these do not break: two to four values, each for
     one type of element or the ground."""
@@ -76,8 +77,6 @@ class VaryDistort:
 
         check_seed(self.seed)
         radius = check_neighborhood(self.neighborhood)
-        if self.keys is not None and (self.scale is not None or self.orientation is not None):
-            raise InputError("--keys: tells scale and orientation already; leave out --scale and --orientation")
         image = read_image(self.exemplar)
         maps = self._name_maps(image)
         size = (image.width, image.height) if self.size is None else parse_size("--size", self.size)
@@ -113,31 +112,26 @@ class VaryDistort:
         return maps
 
     def _read_fields(self, size: tuple[int, int]) -> tuple["np.ndarray", "np.ndarray"]:
-        """Scale [row, col] and orientation (x, y), [row, col, 2]."""
-        import numpy as np
-
+        """Scale [row, col] and orientation (x, y), [row, col, 2]: each of keys, a number, or a picture."""
         from jaxtex.progressive.fields import orientation_field, scale_field
         from jaxtex.progressive.key_files import make_field, read_keys
 
-        if self.keys is not None:
-            keys = read_keys(self.keys)
-            if not (len(keys.scale) or len(keys.orientation)):
-                raise InputError(f"{self.keys}: has no keys of scale or orientation; give one at least")
-            try:
-                return (
-                    make_field(keys, "scale", size) if len(keys.scale) else np.ones(size[::-1], np.float32),
-                    make_field(keys, "orientation", size) if len(keys.orientation) else _direction(0, size),
-                )
-            except InputError as error:
-                raise InputError(f"{self.keys}: {error}") from None
-        scale, degrees = _number(self.scale or "1"), _number(self.orientation or "0")
-        if scale is not None and not scale > 0:
-            raise InputError(f"--scale: {scale:g} is out of range; give a number above 0")
-        if degrees is not None and not np.isfinite(degrees):
-            raise InputError(f"--orientation: {degrees:g} is no direction; give degrees")
-        sizes = _read_map("--scale", self.scale, 1)[..., 0] if scale is None else np.full((1, 1), scale)
-        turns = _read_map("--orientation", self.orientation, 2) if degrees is None else _direction(degrees, (1, 1))
-        return scale_field(sizes, size), orientation_field(turns, size)
+        keys = None if self.keys is None else read_keys(self.keys)
+        options: dict[FieldKind, str | None] = {"scale": self.scale, "orientation": self.orientation}
+        told = [name for name in options if keys is not None and len(getattr(keys, name))]
+        if keys is not None and not told:
+            raise InputError(f"{self.keys}: has no keys of scale or orientation; give one at least")
+        for name in told:
+            if options[name] is not None:
+                raise InputError(f"--{name}: {self.keys} tells it already; leave out one of them")
+        try:
+            fields = {name: make_field(keys, name, size) for name in told if keys is not None}
+        except InputError as error:
+            raise InputError(f"{self.keys}: {error}") from None
+        scale = fields["scale"] if "scale" in fields else scale_field(_read_scale(self.scale or "1"), size)
+        if "orientation" in fields:
+            return scale, fields["orientation"]
+        return scale, orientation_field(_read_orientation(self.orientation or "0"), size)
 
     def _check_neighbourhoods(self, image: "Image", least: float, most: float) -> None:
         if least < _LEAST_SCALE or most > _MOST_SCALE:
@@ -273,17 +267,44 @@ def _angles_of(orientation: "np.ndarray") -> "np.ndarray":
     return np.arctan2(orientation[..., 1], orientation[..., 0])
 
 
-def _read_map(option: str, word: str | None, channels: int) -> "np.ndarray":
-    """The first channels of a picture of numbers."""
+def _read_scale(word: str) -> "np.ndarray":
+    """A number, or those in a picture, [row, col]."""
+    import numpy as np
+
+    scale = _number(word)
+    if scale is None:
+        values = _read_map("--scale", word)
+        if np.ptp(values, axis=2).any():
+            raise InputError(f"--scale: {word} has several channels that differ; give a picture of one")
+        return values[..., 0]
+    if not scale > 0:
+        raise InputError(f"--scale: {scale:g} is out of range; give a number above 0")
+    return np.full((1, 1), scale)
+
+
+def _read_orientation(word: str) -> "np.ndarray":
+    """Degrees, or the directions in a picture, [row, col, (x, y)]."""
+    import numpy as np
+
+    degrees = _number(word)
+    if degrees is None:
+        values = _read_map("--orientation", word)
+        if values.shape[2] < 2:
+            raise InputError(f"--orientation: {word} has one channel; give a picture whose first two are x and y")
+        return values[..., :2]
+    if not np.isfinite(degrees):
+        raise InputError(f"--orientation: {degrees:g} is no direction; give degrees")
+    return _direction(degrees, (1, 1))
+
+
+def _read_map(option: str, word: str) -> "np.ndarray":
+    """A picture of numbers."""
     from jaxtex.io.images import read_image
 
-    path = Path(word or "")
+    path = Path(word)
     if not path.suffix:
         raise InputError(f"{option}: '{word}' is neither a number nor a picture")
-    values = read_image(path, colour_space="data").pixels
-    if values.shape[2] < channels:
-        raise InputError(f"{option}: {path} has one channel; give a picture whose first two are x and y")
-    return values[..., :channels]
+    return read_image(path, colour_space="data").pixels
 
 
 def _with_alpha(image: "Image") -> "np.ndarray":

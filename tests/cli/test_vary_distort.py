@@ -159,7 +159,6 @@ def test_maps_that_do_not_go_along(
         (["--neighborhood", "4"], "--neighborhood: 4 is none"),
         (["--neighborhood", "0"], "--neighborhood: 0 is none"),
         (["--size", "12"], "--size: '12' is no size"),
-        (["--keys", "keys.toml", "--scale", "2"], "--keys: tells scale and orientation already"),
         (["--seed", "-1"], "--seed: -1 is out of range"),
         (["--texton-mask", "mask.png"], "mask.png"),
     ],
@@ -177,7 +176,11 @@ def test_files_that_do_not_go_together(exemplar: Path, capsys: pytest.CaptureFix
     assert "one channel" in complain(capsys, exemplar, "-o", output, "--orientation", other)
     keys.write_text("[[transition]]\nat = [0.5, 0.5]\nvalue = 0.75\n")
     assert "no keys of scale or orientation" in complain(capsys, exemplar, "-o", output, "--keys", keys)
+    keys.write_text("[[scale]]\nat = [0.5, 0.5]\nvalue = 2\n")
+    assert "--scale: " in complain(capsys, exemplar, "-o", output, "--keys", keys, "--scale", "2")
+    assert distort(exemplar, "-o", output, "--keys", keys, "--orientation", "20") == 0
     write_image(other, np.random.default_rng(0).random((5, 40, 3)))
+    assert "several channels" in complain(capsys, exemplar, "-o", output, "--scale", other)
     assert "smaller --neighborhood" in complain(capsys, other, "-o", output)
 
 
