@@ -51,7 +51,7 @@ def check(options: dict, seed: int, size: tuple, passes: int = 1) -> None:
         np.testing.assert_array_equal(seen.sources, expected)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(seed=seeds, size=sizes, even_rows=st.booleans())
 def test_is_the_loop_over_pixels(seed: int, size: tuple, even_rows: bool) -> None:
     check({"even_rows": even_rows}, seed, size)

@@ -29,7 +29,7 @@ def draw_exemplar(seed: int, shape: tuple[int, int], channels: int) -> np.ndarra
     return np.random.default_rng(seed).integers(0, 4, (*shape, channels)) / 3
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(seed=st.integers(0, 2**31 - 1), size=st.sampled_from(SIZES))
 def test_is_the_loop_over_pixels(seed: int, size: tuple) -> None:
     shape, radius, levels, exemplar_shape, channels = size
@@ -39,7 +39,7 @@ def test_is_the_loop_over_pixels(seed: int, size: tuple) -> None:
     np.testing.assert_array_equal(made, expected)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(seed=st.integers(0, 2**31 - 1), count=st.integers(1, 60), values=st.integers(1, 200))
 def test_vectors_lead_to_themselves(seed: int, count: int, values: int) -> None:
     vectors = np.random.default_rng(seed).integers(0, values, (count, 3), dtype=np.int32)
