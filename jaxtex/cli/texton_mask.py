@@ -71,8 +71,6 @@ class TextonMask:
 
         if self.pick and self.painted is not None:
             raise InputError("--painted does not go with --pick; give one of them")
-        if self.overlay is not None and self.overlay.absolute() == self.output.absolute():
-            raise InputError(f"{self.overlay}: is to be both the mask and the overlay; give them two names")
         check_names([self.exemplar, self.painted], [self.output, self.overlay])
         pixels = read_image(self.exemplar).pixels
         mask = self._refine(self._make(pixels))

@@ -133,7 +133,7 @@ MASKS = [
     (["--painted", "hide.png"], "hide.png: is coloured"),
     (["--smoothing", "-1", "--pick", "16,16"], "--smoothing: -1 is out of range"),
     (["--erode", "-1"], "radius: -1 is out of range"),
-    (["--overlay", "mask.png"], "give them two names"),
+    (["--overlay", "mask.png"], "mask.png: would be written over"),
     (["--overlay", "hide.png"], "hide.png: would be written over"),
     (["--erode", "99"], "all of it would be of one type"),
 ]
