@@ -1,11 +1,15 @@
-"""What the documents say about the tree is true."""
+"""What the documents and the commands' help say about the tree is true."""
 
+import inspect
 import re
 import shlex
 from importlib import import_module
 from pathlib import Path
 
 import pytest
+
+from jaxtex.cli.main import COMMANDS, Command, main
+from jaxtex.cli.usage import parse
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("models/*.md")])
@@ -26,20 +30,46 @@ def test_links_between_documents_lead_somewhere(document: Path) -> None:
     assert [link for link in links if "//" not in link and not (document.parent / link).exists()] == []
 
 
-def test_the_commands_in_the_readme_can_be_given() -> None:
-    from jaxtex.cli.main import COMMANDS
-    from jaxtex.cli.usage import parse
+def find_command(words: list[str]) -> Command:
+    return next(each for each in COMMANDS if words[: each.words.count(" ") + 1] == each.words.split())
 
+
+def options_of(command: Command) -> type:
+    module, _, name = command.target.partition(":")
+    return getattr(import_module(module), name)
+
+
+def can_be_given(command: Command, words: list[str]) -> bool:
+    return parse(options_of(command), prog=command.words, arguments=words[command.words.count(" ") + 1 :]) is not None
+
+
+def test_the_commands_in_the_readme_can_be_given() -> None:
     lines = re.findall(r"^    jaxtex (.+)", (ROOT / "README.md").read_text(encoding="utf-8"), re.M)
     shown = set()
     for words in (shlex.split(line, comments=True) for line in lines):
         if words[1:] == ["--help"]:
             assert words[0] in {each.words.split()[0] for each in COMMANDS}
             continue
-        command = next(each for each in COMMANDS if words[: each.words.count(" ") + 1] == each.words.split())
-        module, _, name = command.target.partition(":")
-        arguments = words[command.words.count(" ") + 1 :]
-        assert parse(getattr(import_module(module), name), prog=command.words, arguments=arguments) is not None
+        command = find_command(words)
+        assert can_be_given(command, words)
         shown.add(command.words)
     assert {"fit tiling", "fit wood", "render", "info", "demo"} <= shown
     assert {"vary distort", "vary warp", "vary blend"} <= shown
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.words)
+def test_the_examples_in_a_command_s_help_can_be_given(command: Command) -> None:
+    """Each is a line of its own, and of that command."""
+    examples = re.findall(r"^Example: (.+)$", inspect.getdoc(options_of(command)) or "", re.M)
+    assert examples
+    for example in examples:
+        program, *words = shlex.split(example)
+        assert program == "jaxtex"
+        assert find_command(words) == command
+        assert can_be_given(command, words)
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.words)
+def test_help_tells_no_default_that_is_nothing(command: Command, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*command.words.split(), "--help"]) == 0
+    assert "default: )" not in " ".join(capsys.readouterr().out.split())

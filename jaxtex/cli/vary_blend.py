@@ -33,7 +33,11 @@ class VaryBlend:
     Example: jaxtex vary blend a.png b.png c.png -o abc.png --masks ma.png mb.png mc.png --weights wa.png wb.png wc.png
     """
 
-    exemplars: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="EXEMPLAR EXEMPLAR [...]")]
+    exemplars: Annotated[
+        tuple[Path, ...],
+        tyro.conf.Positional,
+        tyro.conf.arg(metavar="EXEMPLAR EXEMPLAR [...]", help_behavior_hint="(required)"),
+    ]
     """Pictures of the textures, two or more."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """The picture to write: .png, .jpg, .tif or .exr."""
