@@ -3,12 +3,14 @@
 import difflib
 import math
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from jaxtex.core.errors import InputError
 from jaxtex.io.files import existing_file
+
+_MOST = 2**63  # whole numbers that TOML has are less
 
 
 def read_toml(path: Path | str, what: str) -> dict[str, Any]:
@@ -19,7 +21,7 @@ def read_toml(path: Path | str, what: str) -> dict[str, Any]:
         what: it should be, as "a file of keys (keys.toml)".
 
     Raises:
-        InputError: there is no such file, or it is no TOML.
+        InputError: there is no such file, it is no TOML, or has whole numbers of more bits than TOML's.
 
     Examples:
         >>> _ = Path("keys.toml").write_text("[[scale]]\\nvalue = 2\\n")
@@ -28,13 +30,28 @@ def read_toml(path: Path | str, what: str) -> dict[str, Any]:
     """
     path = existing_file(path)
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))  # some editors write a byte order mark first
+        document = tomllib.loads(path.read_bytes().decode("utf-8-sig"))  # some editors write a byte order mark first
     except UnicodeDecodeError:
         raise InputError(f"{path}: is not a text file; give {what}") from None
     except ValueError as error:  # TOMLDecodeError, or an integer of thousands of digits
         raise InputError(f"{path}: is no TOML ({error}); correct it there") from None
     except RecursionError:
         raise InputError(f"{path}: has brackets too deep in each other; correct it there") from None
+    # Python reads hexadecimal digits by the thousand, and then cannot say the number that they make.
+    for name, entry in document.items():
+        if any(type(each) is int and not -_MOST <= each < _MOST for each in _values_in(entry)):
+            raise InputError(f"{path}: {name}: holds a whole number of more than 64 bits; give a smaller one")
+    return document
+
+
+def _values_in(entry: Any) -> Iterator[Any]:
+    """All values in an entry, in its lists and tables too."""
+    waiting = [entry]
+    while waiting:
+        value = waiting.pop()
+        yield value
+        if isinstance(value, dict | list):
+            waiting.extend(value.values() if isinstance(value, dict) else value)
 
 
 def tables_of(document: Mapping[str, Any], name: str, path: Path | str, what: str) -> list[dict[str, Any]]:
