@@ -1,5 +1,6 @@
 """`jaxtex field`: how a texture is to vary over a picture, from a few keys."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 class Field:
     """Make a field over a picture from a few keys: scale, transition or orientation, at each pixel.
 
-    The file of keys has a table for each: [[scale]] (above 0), [[transition]] (0 to 1) or [[orientation]] (degrees,
+    The file of keys has a table for each: [[scale]] (0.125 to 16), [[transition]] (0 to 1) or [[orientation]] (degrees,
     clockwise from the x axis), with a place, at = [x, y] or stroke = [[x, y], ...], in parts of the picture's width and
     height, and a value. A stroke of orientation without value has its own direction. Instead of keys, map = "grey.png"
     with low and high gives all of a field; symmetric = true says that the texture looks the same turned by half.
@@ -43,6 +44,7 @@ class Field:
     def run(self) -> int:
         import numpy as np
 
+        from jaxtex.cli.field_options import LEAST_SCALE, MOST_SCALE, has_extreme_scales
         from jaxtex.cli.files import check_names, write_together
         from jaxtex.core.errors import InputError
         from jaxtex.io.images import read_image, write_image
@@ -71,6 +73,12 @@ class Field:
         write_together(writers)
         told = f", {field.min():.3g} to {field.max():.3g}" if field.ndim == 2 else ""
         print(f"{self.output}: {kind}, {field.shape[1]} x {field.shape[0]}{told}")
+        if kind == "scale" and has_extreme_scales(field):
+            print(
+                f"jaxtex: hint: 'jaxtex vary distort' takes scales from {LEAST_SCALE} to {MOST_SCALE:g} alone; change "
+                f"the values in {self.keys}",
+                file=sys.stderr,
+            )
         return 0
 
     def _find_size(self, ground: "np.ndarray | None") -> tuple[int, int]:

@@ -1,7 +1,8 @@
 """Words on the command line that stand for more than one number: points, sizes, colours."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from jaxtex.core.errors import InputError
@@ -256,6 +257,22 @@ def parse_assignments(option: str, words: Sequence[str]) -> dict[str, float]:
             raise InputError(f"{option}: {match[1]} is given twice; give it once")
         values[match[1]] = float(match[2])
     return values
+
+
+@contextmanager
+def naming(where: object) -> Iterator[None]:
+    """Have complaints from within begin with the option or the file that they are about.
+
+    Examples:
+        >>> with naming("--open"):
+        ...     raise InputError("radius: -2 is out of range")
+        Traceback (most recent call last):
+        jaxtex.core.errors.InputError: --open: radius: -2 is out of range
+    """
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
 
 
 def check_seed(seed: int, *, option: str = "--seed") -> int:

@@ -14,10 +14,8 @@ if TYPE_CHECKING:
     import numpy as np
 
     from jaxtex.io.images import Image
-    from jaxtex.progressive.key_files import FieldKind
     from jaxtex.progressive.varying import VaryingTexture
 
-_LEAST_SCALE, _MOST_SCALE = 0.125, 16.0
 _LEAST_MEMORY = 400  # bytes that each pixel of the result takes
 
 
@@ -46,7 +44,8 @@ class VaryDistort:
     """Its size in pixels. By default the exemplar's."""
     scale: Annotated[str | None, tyro.conf.arg(metavar="NUMBER|MAP", help_behavior_hint="")] = None
     """How many times as large as in the exemplar things are: a number, or a picture of one channel that holds such
-    numbers (.exr), from 0.125 to 16. It is stretched over the result. By default 1."""
+    numbers (.exr), from 0.125 to 16. It is stretched over the result. By default 1. What grey levels stand for is said
+    by --keys."""
     orientation: Annotated[str | None, tyro.conf.arg(metavar="DEGREES|MAP", help_behavior_hint="")] = None
     """How far things are turned, clockwise: degrees, or a picture whose first two channels are (x, y) of the direction
     in which the exemplar's rows are to run, y down (.exr, of numbers from -1 to 1). By default 0."""
@@ -71,6 +70,7 @@ class VaryDistort:
     """Another number, another piece of the texture."""
 
     def run(self) -> int:
+        from jaxtex.cli.field_options import read_fields
         from jaxtex.cli.values import check_memory, check_seed, parse_size
         from jaxtex.cli.varying import check_neighborhood
         from jaxtex.io.images import read_image
@@ -81,8 +81,8 @@ class VaryDistort:
         maps = self._name_maps(image)
         size = (image.width, image.height) if self.size is None else parse_size("--size", self.size)
         check_memory(f"--size: {size[0]}x{size[1]}", _LEAST_MEMORY * size[0] * size[1])
-        scale, orientation = self._read_fields(size)
-        self._check_neighbourhoods(image, float(scale.min()), float(scale.max()))
+        scale, orientation = read_fields(self.scale, self.orientation, self.keys, size)
+        self._check_neighbourhoods(image)
         sources = self._synthesise(image, scale, _angles_of(orientation), radius)
         self._write(image, _Made(sources, scale, orientation), maps)
         return 0
@@ -111,33 +111,7 @@ class VaryDistort:
                     raise InputError(f"{option}: {path} holds numbers that are NaN or infinite; replace them")
         return maps
 
-    def _read_fields(self, size: tuple[int, int]) -> tuple["np.ndarray", "np.ndarray"]:
-        """Scale [row, col] and orientation (x, y), [row, col, 2]: each of keys, a number, or a picture."""
-        from jaxtex.progressive.fields import orientation_field, scale_field
-        from jaxtex.progressive.key_files import make_field, read_keys
-
-        keys = None if self.keys is None else read_keys(self.keys)
-        options: dict[FieldKind, str | None] = {"scale": self.scale, "orientation": self.orientation}
-        told = [name for name in options if keys is not None and len(getattr(keys, name))]
-        if keys is not None and not told:
-            raise InputError(f"{self.keys}: has no keys of scale or orientation; give one at least")
-        for name in told:
-            if options[name] is not None:
-                raise InputError(f"--{name}: {self.keys} tells it already; leave out one of them")
-        try:
-            fields = {name: make_field(keys, name, size) for name in told if keys is not None}
-        except InputError as error:
-            raise InputError(f"{self.keys}: {error}") from None
-        scale = fields["scale"] if "scale" in fields else scale_field(_read_scale(self.scale or "1"), size)
-        if "orientation" in fields:
-            return scale, fields["orientation"]
-        return scale, orientation_field(_read_orientation(self.orientation or "0"), size)
-
-    def _check_neighbourhoods(self, image: "Image", least: float, most: float) -> None:
-        if least < _LEAST_SCALE or most > _MOST_SCALE:
-            raise InputError(
-                f"scale: goes from {least:g} to {most:g}; give values from {_LEAST_SCALE} to {_MOST_SCALE:g}"
-            )
+    def _check_neighbourhoods(self, image: "Image") -> None:
         if min(image.width, image.height) < self.neighborhood:
             raise InputError(
                 f"{self.exemplar}: is {image.width} x {image.height} pixels, and neighborhoods are {self.neighborhood} "
@@ -247,64 +221,10 @@ def _write_map(source: Path, output: Path, *, made: _Made, turns: bool) -> None:
     write_like(source, output, show)
 
 
-def _number(word: str) -> float | None:
-    try:
-        return float(word)
-    except ValueError:
-        return None
-
-
-def _direction(degrees: float, size: tuple[int, int]) -> "np.ndarray":
-    import numpy as np
-
-    angle = np.radians(degrees)
-    return np.broadcast_to([np.cos(angle), np.sin(angle)], (*size[::-1], 2))
-
-
 def _angles_of(orientation: "np.ndarray") -> "np.ndarray":
     import numpy as np
 
     return np.arctan2(orientation[..., 1], orientation[..., 0])
-
-
-def _read_scale(word: str) -> "np.ndarray":
-    """A number, or those in a picture, [row, col]."""
-    import numpy as np
-
-    scale = _number(word)
-    if scale is None:
-        values = _read_map("--scale", word)
-        if np.ptp(values, axis=2).any():
-            raise InputError(f"--scale: {word} has several channels that differ; give a picture of one")
-        return values[..., 0]
-    if not scale > 0:
-        raise InputError(f"--scale: {scale:g} is out of range; give a number above 0")
-    return np.full((1, 1), scale)
-
-
-def _read_orientation(word: str) -> "np.ndarray":
-    """Degrees, or the directions in a picture, [row, col, (x, y)]."""
-    import numpy as np
-
-    degrees = _number(word)
-    if degrees is None:
-        values = _read_map("--orientation", word)
-        if values.shape[2] < 2:
-            raise InputError(f"--orientation: {word} has one channel; give a picture whose first two are x and y")
-        return values[..., :2]
-    if not np.isfinite(degrees):
-        raise InputError(f"--orientation: {degrees:g} is no direction; give degrees")
-    return _direction(degrees, (1, 1))
-
-
-def _read_map(option: str, word: str) -> "np.ndarray":
-    """A picture of numbers."""
-    from jaxtex.io.images import read_image
-
-    path = Path(word)
-    if not path.suffix:
-        raise InputError(f"{option}: '{word}' is neither a number nor a picture")
-    return read_image(path, colour_space="data").pixels
 
 
 def _with_alpha(image: "Image") -> "np.ndarray":

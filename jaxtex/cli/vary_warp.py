@@ -168,12 +168,15 @@ def _parse_growth(word: str) -> _Growth:
 
 def _read_displacement(path: Path, shape: tuple[int, ...]) -> "np.ndarray":
     """(row, col) for each pixel."""
-    from jaxtex.io.images import read_image
+    from jaxtex.cli.field_options import read_numbers
     from jaxtex.progressive.warping import spread_mesh
 
-    values = read_image(path, colour_space="data").pixels
+    values = read_numbers("--displace", path)
     if values.shape[2] < 2:
-        raise InputError(f"{path}: has one channel; give a picture whose first two are pixels to the right and down")
+        raise InputError(
+            f"--displace: {path} has one channel; give a picture whose first two are pixels to the right and down"
+        )
     if not (2 <= values.shape[0] <= shape[0] and 2 <= values.shape[1] <= shape[1]):
-        raise InputError(f"{path}: is {values.shape[1]} x {values.shape[0]} pixels; give 2 x 2 to the exemplar's size")
+        told = f"{path} is {values.shape[1]} x {values.shape[0]} pixels"
+        raise InputError(f"--displace: {told}; give 2 x 2 to the size of what is made, {shape[1]} x {shape[0]}")
     return spread_mesh(values[..., 1::-1], (shape[0], shape[1]))

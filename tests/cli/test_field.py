@@ -50,6 +50,15 @@ def test_the_field_is_the_library_s(kind: str, capsys: pytest.CaptureFixture[str
     assert capsys.readouterr().out.startswith(f"field.exr: {kind}, 128 x 96")
 
 
+@pytest.mark.parametrize(("value", "told"), [(16, False), (17, True), (0.125, False), (0.11, True)])
+def test_scales_at_which_nothing_is_made_are_told(value: float, told: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("keys.toml").write_text(f"[[scale]]\nat = [0, 0]\nvalue = 1\n[[scale]]\nat = [1, 1]\nvalue = {value}\n")
+    assert main(["field", "keys.toml", "-o", "f.exr", "--size", "64x64"]) == 0
+    hint = capsys.readouterr().err
+    assert ("takes scales from 0.125 to 16 alone; change the values in keys.toml\n" in hint) == told
+    assert hint.count("\n") == told
+
+
 def test_written_orientations_are_read_as_a_map() -> None:
     assert main(["field", "keys.toml", "-o", "flow.exr", "--kind", "orientation", "--size", "40x30"]) == 0
     Path("map.toml").write_text('[[orientation]]\nmap = "flow.exr"\n')

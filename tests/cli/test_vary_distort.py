@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from jaxtex.cli.field_options import read_fields
 from jaxtex.cli.main import main
 from jaxtex.io.images import read_image, write_image
 from jaxtex.io.masks import write_mask
@@ -173,15 +174,53 @@ def test_files_that_do_not_go_together(exemplar: Path, capsys: pytest.CaptureFix
     write_mask(other, np.eye(20))
     assert "20 x 20" in complain(capsys, exemplar, "-o", output, "--texton-mask", other)
     assert "would be written over" in complain(capsys, exemplar, "-o", exemplar)
-    assert "one channel" in complain(capsys, exemplar, "-o", output, "--orientation", other)
+    numbers = exemplar.with_name("numbers.exr")
+    write_image(numbers, np.eye(20), colour_space="data")
+    assert "one channel" in complain(capsys, exemplar, "-o", output, "--orientation", numbers)
     keys.write_text("[[transition]]\nat = [0.5, 0.5]\nvalue = 0.75\n")
     assert "no keys of scale or orientation" in complain(capsys, exemplar, "-o", output, "--keys", keys)
     keys.write_text("[[scale]]\nat = [0.5, 0.5]\nvalue = 2\n")
     assert "--scale: " in complain(capsys, exemplar, "-o", output, "--keys", keys, "--scale", "2")
     assert distort(exemplar, "-o", output, "--keys", keys, "--orientation", "20") == 0
     write_image(other, np.random.default_rng(0).random((5, 40, 3)))
-    assert "several channels" in complain(capsys, exemplar, "-o", output, "--scale", other)
+    write_image(numbers, np.random.default_rng(0).random((5, 40, 3)), colour_space="data")
+    assert "several channels" in complain(capsys, exemplar, "-o", output, "--scale", numbers)
     assert "smaller --neighborhood" in complain(capsys, other, "-o", output)
+
+
+@pytest.mark.parametrize(
+    ("option", "table"),
+    [
+        ("--scale", '[[scale]] map = "grey.png", low = 0.5, high = 2'),
+        ("--orientation", '[[orientation]] map = "grey.png"'),
+    ],
+)
+def test_levels_of_pictures_are_no_numbers(
+    exemplar: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, option: str, table: str
+) -> None:
+    monkeypatch.chdir(exemplar.parent)
+    write_image("grey.png", np.full((9, 9, 3), 0.4), bits=16)
+    error = complain(capsys, "exemplar.png", "-o", "made.png", option, "grey.png")
+    assert f"{option}: grey.png holds levels, from 0 (black) to 1 (white)" in error
+    assert error.endswith(f"{table}\n")
+    Path("keys.toml").write_text(table.replace("]] ", "]]\n").replace(", ", "\n"))  # and so it is taken
+    scale, orientation = read_fields(None, None, Path("keys.toml"), (4, 3))
+    assert scale.shape == orientation.shape[:2] == (3, 4)
+
+
+def test_fields_out_of_range_are_told_with_their_file(
+    exemplar: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(exemplar.parent)
+    words = ["exemplar.png", "-o", "made.png"]
+    write_image("size.exr", np.diag([0.0, 1, 2]), colour_space="data")
+    assert "--scale: size.exr: scale: a value of the map is 0" in complain(capsys, *words, "--scale", "size.exr")
+    write_image("size.exr", np.full((2, 2), 20.0), colour_space="data")
+    assert "--scale: size.exr goes from 20 to 20; give" in complain(capsys, *words, "--scale", "size.exr")
+    Path("keys.toml").write_text("[[scale]]\nat = [0.5, 0.5]\nvalue = 0.1\n")
+    assert "keys.toml: scale goes from 0.1 to 0.1; give" in complain(capsys, *words, "--keys", "keys.toml")
+    write_image("way.exr", np.zeros((2, 2, 3)), colour_space="data")
+    assert "--orientation: way.exr: orientation: " in complain(capsys, *words, "--orientation", "way.exr")
 
 
 def test_that_files_cannot_be_written_is_told_before_long_work(

@@ -160,7 +160,9 @@ BLEND = ["blend", "stripes.png", "spots.png", "-o", "out.png", "--masks", "strip
         ([*WARP, "--grow=1", "--mask-output", "stripes_mask.png"], "written over"),
         ([*WARP, "--grow=1", "--keys", "maps.toml", "--save", "black.png"], "black.png: would be written over"),
         ([*WARP, "--grow=1", "--size", "8x99"], "--size"),
-        ([*WARP, "--displace", "stripes_mask.png"], "one channel"),
+        ([*WARP, "--displace", "stripes_mask.png"], "--displace: stripes_mask.png holds levels, from 0"),
+        ([*WARP, "--displace", "one.exr"], "--displace: one.exr has one channel"),
+        ([*WARP, "--displace", "long.exr"], "--displace: long.exr is 2 x 90 pixels; give 2 x 2 to the size"),
         (["warp", "stripes.png", "small_mask.png", "-o", "out.png", "--grow=1"], "small_mask.png: is 10 x 20"),
         (["warp", "tiny.png", "tiny_mask.png", "-o", "out.png", "--grow=1"], "tiny.png: is 5 x 5"),
         (["blend", "stripes.png", "-o", "out.png", "--masks", "stripes_mask.png"], "two or more"),
@@ -179,6 +181,8 @@ def test_what_cannot_be_done_is_said_in_one_line(
     words: list[str], told: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write_mask("small_mask.png", np.eye(20)[:, :10])
+    write_image("one.exr", np.zeros((2, 2)), colour_space="data")
+    write_image("long.exr", np.zeros((90, 2, 3)), colour_space="data")
     write_image("tiny.png", np.full((5, 5, 3), 0.5))
     write_mask("tiny_mask.png", np.eye(5))
     write_mask("black.png", np.zeros((4, 4)))
