@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
     from jaxtex.progressive.key_files import FieldKeys, FieldKind
 
+_LEAST_MEMORY = 64  # bytes that each pixel of the field takes
+
 
 @dataclass(frozen=True, kw_only=True)
 class Field:
@@ -46,21 +48,24 @@ class Field:
 
         from jaxtex.cli.field_options import LEAST_SCALE, MOST_SCALE, has_extreme_scales
         from jaxtex.cli.files import check_names, write_together
+        from jaxtex.cli.values import check_memory, naming
         from jaxtex.core.errors import InputError
-        from jaxtex.io.images import read_image, write_image
+        from jaxtex.io.images import check_image_name, read_image, write_image
         from jaxtex.progressive.key_files import make_field, read_keys
         from jaxtex.progressive.plots import plot_orientation, plot_scalar
 
         if self.output.suffix.lower() != ".exr":
             raise InputError(f"{self.output}: a field is written as .exr, whose numbers are not cut at 0 and 1")
         check_names([self.over], [self.output, self.preview], keys=self.keys)
+        if self.preview is not None:
+            check_image_name(self.preview)
         keys = read_keys(self.keys)
         kind = self.kind or _only_kind(self.keys, keys)
         ground = None if self.over is None else read_image(self.over).pixels
-        try:
-            field = make_field(keys, kind, self._find_size(ground))
-        except InputError as error:
-            raise InputError(f"{self.keys}: {error}") from None
+        size = self._find_size(ground)
+        check_memory(f"--size: {size[0]}x{size[1]}", _LEAST_MEMORY * size[0] * size[1])
+        with naming(self.keys):
+            field = make_field(keys, kind, size)
         # The third channel makes it a picture of colours, which every program opens.
         values = field if field.ndim == 2 else np.concatenate([field, np.zeros_like(field[..., :1])], axis=-1)
         writers: dict[Path, Callable[[Path], None]] = {

@@ -36,10 +36,13 @@ class _Making(ABC):
         """The mask of linear pixels."""
 
     def run(self) -> int:
+        from jaxtex.cli.values import naming_options
         from jaxtex.io.images import read_image
 
         pixels = read_image(self.photo).pixels
-        return _write(self.output, self.make(pixels), self.overlay, pixels)
+        with naming_options(self, self.photo):
+            mask = self.make(pixels)
+        return _write(self.output, mask, self.overlay, pixels)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,12 +63,15 @@ class _Cleaning(ABC):
         """The cleaned mask."""
 
     def run(self) -> int:
+        from jaxtex.cli.values import naming_options
         from jaxtex.io.images import read_image
         from jaxtex.io.masks import read_mask
 
         coverage = read_mask(self.mask)
         ground = coverage if self.photo is None else read_image(self.photo).pixels
-        return _write(self.output, self.clean(coverage >= 0.5), self.overlay, ground)
+        with naming_options(self, self.mask):
+            mask = self.clean(coverage >= 0.5)
+        return _write(self.output, mask, self.overlay, ground)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,7 +121,7 @@ class Colour(_Making):
     def make(self, pixels: "np.ndarray") -> "np.ndarray":
         import numpy as np
 
-        from jaxtex.cli.values import parse_colour, parse_point
+        from jaxtex.cli.values import naming, parse_colour, parse_point
         from jaxtex.core.colour import srgb_to_linear
         from jaxtex.core.errors import InputError
         from jaxtex.photo.pictures import luminance
@@ -128,7 +134,8 @@ class Colour(_Making):
         pixels = _lit(pixels, self.even_out)
         if pixels.shape[-1] == 1:
             named = luminance(named[:, None])
-        picks = [*pick_colours(pixels, points), *named] if points else named
+        with naming("--at"):
+            picks = [*pick_colours(pixels, points), *named] if points else named
         return colour_mask(pixels, np.array(picks), tolerance=self.tolerance, picked=self.picked)
 
 

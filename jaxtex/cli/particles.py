@@ -177,15 +177,20 @@ class Analyse:
         return describe_particles(labels, kinds), names
 
     def _look(self, image: "Image") -> "Decomposition":
+        from jaxtex.cli.values import naming_options
         from jaxtex.particles.segmentation import find_particles
 
         if not self.colours:
-            return find_particles(image.pixels, kinds=self.classes)
+            with naming_options(self, self.exemplar):
+                return find_particles(image.pixels, kinds=self.classes)
         from jaxtex.particles.picking import pick_particles
 
         things = [_pick_colours("--colours", word, image.pixels) for word in self.colours]
         ground = [each for word in self.ground for each in _pick_colours("--ground", word, image.pixels)]
-        return pick_particles(image.pixels, things, ground or None, distance=self.distance, smoothing=self.smoothing)
+        with naming_options(self, self.exemplar):
+            return pick_particles(
+                image.pixels, things, ground or None, distance=self.distance, smoothing=self.smoothing
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -248,7 +253,7 @@ def _pick_colours(option: str, word: str, pixels: "np.ndarray") -> "np.ndarray":
     """The linear colours [colour, channel] that a word names: rrggbb, or x,y; several joined with +."""
     import numpy as np
 
-    from jaxtex.cli.values import parse_colour, parse_point
+    from jaxtex.cli.values import naming, parse_colour, parse_point
     from jaxtex.core.colour import srgb_to_linear
     from jaxtex.photo.pictures import luminance
     from jaxtex.photo.segment import pick_colours
@@ -256,10 +261,9 @@ def _pick_colours(option: str, word: str, pixels: "np.ndarray") -> "np.ndarray":
     colours = []
     for part in word.split("+"):
         if "," in part:
-            try:
-                colours.append(pick_colours(pixels, [parse_point(option, part)])[0])
-            except InputError as error:
-                raise InputError(f"{option}: {error}") from None
+            point = parse_point(option, part)
+            with naming(f"{option}: '{part}'"):
+                colours.append(pick_colours(pixels, [point])[0])
             continue
         named = srgb_to_linear(np.array([parse_colour(option, part)], np.float32))
         colours.append(luminance(named[:, None])[0] if pixels.shape[-1] == 1 else named[0])
@@ -282,10 +286,12 @@ def _cut_polygons(path: Path, image: "Image", kinds: int | None) -> tuple["Decom
 
 
 def _class_by_colour(image: "Image", labels: "np.ndarray", kinds: int | None) -> "np.ndarray":
+    from jaxtex.cli.values import naming
     from jaxtex.particles.kinds import class_things
     from jaxtex.photo.pictures import to_lab
 
-    return class_things(to_lab(image.pixels), labels, kinds)
+    with naming(image.path):
+        return class_things(to_lab(image.pixels), labels, kinds)
 
 
 def _painted_classes(painted: "np.ndarray", labels: "np.ndarray") -> tuple[list[int], tuple[str, ...]]:

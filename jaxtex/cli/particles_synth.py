@@ -1,5 +1,6 @@
 """`jaxtex particles synth`: the things of a picture, arranged anew under a person's control."""
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -116,7 +117,19 @@ class Synth:
         if self.save is not None:
             write_composition(self.save, placed)
         print(f"{len(placed)} {'thing' if len(placed) == 1 else 'things'} placed; look at {self.output}")
+        if not len(placed):
+            print(f"jaxtex: hint: nothing is placed; {self._tell_why_none()}", file=sys.stderr)
         return 0
+
+    def _tell_why_none(self) -> str:
+        if self.composition is not None:
+            return f"{self.composition} has no line of a thing"
+        why = []
+        if self.control is not None:
+            why.append(f"in {self.control} a density or probability may be 0 everywhere (black, in a map)")
+        if self.avoid is not None:
+            why.append(f"{self.avoid} may be white everywhere (white is kept free)")
+        return ", or ".join(why) or "give a larger --size"
 
     def _check(self) -> None:
         from jaxtex.io.files import place_for_file
@@ -175,21 +188,24 @@ class Synth:
         import jax
 
         from jaxtex.cli.progress import reporting
-        from jaxtex.cli.values import parse_point
+        from jaxtex.cli.values import naming_options, parse_point
         from jaxtex.particles.arrangement import learn_arrangement
         from jaxtex.particles.relaxation import relax_composition
         from jaxtex.particles.seeding import seed_composition
 
-        placed = seed_composition(
-            folder.decomposition,
-            learn_arrangement(folder.decomposition),
-            size,
-            key=jax.random.fold_in(jax.random.key(self.seed), 0),
-            tileable=self.tileable,
-            germ=None if self.germ is None else parse_point("--germ", self.germ),
-            order=self.order or None,
-            controls=self._controls(size),
-        )
+        germ = None if self.germ is None else parse_point("--germ", self.germ)
+        controls = self._controls(size)
+        with naming_options(self, self.control or self.folder):
+            placed = seed_composition(
+                folder.decomposition,
+                learn_arrangement(folder.decomposition),
+                size,
+                key=jax.random.fold_in(jax.random.key(self.seed), 0),
+                tileable=self.tileable,
+                germ=germ,
+                order=self.order or None,
+                controls=controls,
+            )
         if not self.relax or self.control is not None or self.avoid is not None:
             return placed
         with reporting("relaxing") as report:

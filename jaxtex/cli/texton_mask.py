@@ -65,13 +65,16 @@ class TextonMask:
 
         from jaxtex.cli.files import check_names, write_together
         from jaxtex.core.errors import InputError
-        from jaxtex.io.images import read_image, write_image
+        from jaxtex.io.images import check_image_name, read_image, write_image
         from jaxtex.progressive.plots import overlay_texton_mask
         from jaxtex.progressive.texton_masks import write_texton_mask
 
         if self.pick and self.painted is not None:
             raise InputError("--painted does not go with --pick; give one of them")
         check_names([self.exemplar, self.painted], [self.output, self.overlay])
+        check_image_name(self.output)
+        if self.overlay is not None:
+            check_image_name(self.overlay)
         pixels = read_image(self.exemplar).pixels
         mask = self._refine(self._make(pixels))
         if np.ptp(mask) == 0:
@@ -86,6 +89,7 @@ class TextonMask:
         return 0
 
     def _make(self, pixels: "np.ndarray") -> "np.ndarray":
+        from jaxtex.cli.values import naming, parse_pick
         from jaxtex.core.errors import InputError
         from jaxtex.progressive.mask_proposal import propose_texton_mask
         from jaxtex.progressive.texton_masks import ColourPick, pick_texton_mask, read_texton_mask
@@ -93,25 +97,29 @@ class TextonMask:
         if self.painted is not None:
             return read_texton_mask(self.painted, pixels.shape[1::-1])
         if not self.pick:
-            return propose_texton_mask(pixels)
-        from jaxtex.cli.values import parse_pick
+            with naming(self.exemplar):
+                return propose_texton_mask(pixels)
         from jaxtex.photo.segment import pick_colours
 
-        if self.smoothing < 0:
-            raise InputError(f"--smoothing: {self.smoothing:g} is out of range; give pixels, 0 or more")
+        if not 0 <= self.smoothing <= 100:
+            raise InputError(f"--smoothing: {self.smoothing:g} is out of range; give 0 to 100 pixels")
         picks = []
         for word in self.pick:
             point, tolerance, label = parse_pick("--pick", word)
-            picks.append(ColourPick(pick_colours(pixels, [point])[0], tolerance, label))
-        return pick_texton_mask(pixels, picks, smoothing=self.smoothing)
+            with naming(f"--pick: '{word}'"):
+                picks.append(ColourPick(pick_colours(pixels, [point])[0], tolerance, label))
+        with naming("--pick"):
+            return pick_texton_mask(pixels, picks, smoothing=self.smoothing)
 
     def _refine(self, mask: "np.ndarray") -> "np.ndarray":
+        from jaxtex.cli.values import naming
         from jaxtex.progressive import texton_masks
 
         if self.invert:
             mask = texton_masks.invert_texton_mask(mask)
         if self.despeckle:
-            mask = texton_masks.despeckle_texton_mask(mask, self.despeckle)
+            with naming("--despeckle"):
+                mask = texton_masks.despeckle_texton_mask(mask, self.despeckle)
         if self.fill:
             mask = texton_masks.fill_texton_mask(mask)
         steps: tuple[tuple[texton_masks.Operation, float], ...] = (
@@ -121,5 +129,6 @@ class TextonMask:
             ("erode", self.erode),
         )
         for operation, radius in steps:
-            mask = texton_masks.refine_texton_mask(mask, operation, radius) if radius else mask
+            with naming(f"--{operation}"):
+                mask = texton_masks.refine_texton_mask(mask, operation, radius) if radius else mask
         return mask

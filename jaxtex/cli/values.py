@@ -275,6 +275,37 @@ def naming(where: object) -> Iterator[None]:
         raise InputError(f"{where}: {error}") from None
 
 
+@contextmanager
+def naming_options(options: object, path: Path) -> Iterator[None]:
+    """Have complaints of the library that begin with an argument's name begin with the option of that name, and all
+    that begin with no option, with a file.
+
+    Args:
+        options: of the command, a dataclass.
+        path: of the file that is dealt with.
+
+    Examples:
+        >>> from dataclasses import make_dataclass
+        >>> options = make_dataclass("Open", ["radius"])(-2)
+        >>> with naming_options(options, Path("mask.png")):
+        ...     raise InputError("radius: -2 is out of range")
+        Traceback (most recent call last):
+        jaxtex.core.errors.InputError: --radius: -2 is out of range
+        >>> with naming_options(options, Path("mask.png")):
+        ...     raise InputError("picture: is all of one colour")
+        Traceback (most recent call last):
+        jaxtex.core.errors.InputError: mask.png: picture: is all of one colour
+    """
+    try:
+        yield
+    except InputError as error:
+        told = str(error)
+        argument = re.match(r"\w*", told)
+        if argument and argument[0] in vars(options):
+            raise InputError(f"--{told.replace('_', '-', argument[0].count('_'))}") from None
+        raise InputError(told if told.startswith("--") else f"{path}: {told}") from None
+
+
 def check_seed(seed: int, *, option: str = "--seed") -> int:
     """`seed` itself, once it is known to be one.
 

@@ -64,14 +64,13 @@ class VaryBlend:
 
     def run(self) -> int:
         from jaxtex.cli import varying
-        from jaxtex.cli.files import check_names
         from jaxtex.cli.values import check_seed
 
         check_seed(self.seed)
         radius = varying.check_neighborhood(self.neighborhood)
         self._check()
         inputs = [*self.exemplars, *self.masks, *self.weights, self.transition]
-        check_names(inputs, [self.output, self.mask_output, self.save], keys=self.keys)
+        varying.check_files(inputs, [self.output, self.mask_output], self.save, self.keys)
         pictures = [varying.read_exemplar(each, self.neighborhood) for each in self.exemplars]
         if len({each.shape[2] for each in pictures}) > 1:
             pictures = [each.repeat(3 // each.shape[2], axis=2) for each in pictures]

@@ -81,18 +81,14 @@ class VaryWarp:
 
     def run(self) -> int:
         from jaxtex.cli import varying
-        from jaxtex.cli.files import check_names
         from jaxtex.cli.values import check_seed
 
         check_seed(self.seed)
         radius = varying.check_neighborhood(self.neighborhood)
         growths = [_parse_growth(word) for word in self.grow]
         self._check(bool(growths))
-        check_names(
-            [self.exemplar, self.mask, self.displace, self.transition],
-            [self.output, self.mask_output, self.save],
-            keys=self.keys,
-        )
+        inputs = [self.exemplar, self.mask, self.displace, self.transition]
+        varying.check_files(inputs, [self.output, self.mask_output], self.save, self.keys)
         pixels = varying.read_exemplar(self.exemplar, self.neighborhood)
         labels = varying.read_mask_of(self.mask, self.exemplar, pixels)
         size = (labels.shape[1], labels.shape[0]) if self.size is None else varying.parse_made_size(self.size)
@@ -120,7 +116,7 @@ class VaryWarp:
         laid = lay_out(f"making more of {self.mask}", pixels, labels, transition.shape[::-1], keys[0])
         wanted = self._warp(laid, transition, growths)
         if wanted.max() == wanted.min():
-            raise InputError("only one type would be left of the mask; grow or shrink less")
+            raise InputError(f"{self.mask}: only one type would be left of it; grow, shrink or bend it less")
         sources = filter_exemplar(f"making {self.output}", pixels, labels, wanted, keys[1], radius)
         return VaryingTexture.of(sample_sources(pixels, sources), mask=wanted, transition=transition)
 

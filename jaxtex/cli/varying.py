@@ -1,5 +1,6 @@
 """What the commands of `jaxtex vary` have in common."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -154,6 +155,29 @@ def write_results(output: Path, varying: "VaryingTexture", *, save: Path | None,
         print(f"{save}: texture, mask and transition")
     if mask is not None:
         print(f"{mask}: its mask")
+
+
+def check_files(
+    inputs: Sequence[Path | None], pictures: Sequence[Path | None], save: Path | None, keys: Path | None
+) -> None:
+    """Refuse files that cannot be written, before work that takes long.
+
+    Args:
+        inputs: files that are read.
+        pictures: image files to write; None where an option is not given.
+        save: the file of the texture with its fields.
+        keys: a file of keys, if it is read.
+
+    Raises:
+        InputError: as `check_names`; or a picture's extension is of no kind that can be written.
+    """
+    from jaxtex.cli.files import check_names
+    from jaxtex.io.images import check_image_name
+
+    check_names(inputs, [*pictures, save], keys=keys)
+    for picture in pictures:
+        if picture is not None:
+            check_image_name(picture)
 
 
 def check_neighborhood(side: int) -> int:

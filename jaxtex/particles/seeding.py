@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
+from jaxtex.core.errors import InputError
 from jaxtex.particles.boxes import Form, form_of
 from jaxtex.particles.companions import Companion
 from jaxtex.particles.composition import Composition, identify_exemplar
@@ -91,7 +92,7 @@ def seed_composition(
         The composition. Particles that only reach into the plane are there too.
 
     Raises:
-        ValueError: a size below 1, a germ that is not on the plane, an order with classes that are not there or twice,
+        InputError: a size below 1, a germ that is not on the plane, an order with classes that are not there or twice,
             no complete particle in any of them, a tileable plane too small to hold one with its clearance, or a control
             of what is not there or with numbers that are out of range.
 
@@ -140,7 +141,7 @@ def _sow_kind(
     widest = _measure_widest(plane, forms, clearance, terrain)
     enough = rule.density * (terrain.abundance if terrain else 1.0) * plane.width * plane.height
     if enough > _MOST:
-        raise ValueError(f"{enough:.0f} particles of a class are asked for, {_MOST} are the most; give a lower density")
+        raise InputError(f"{enough:.0f} particles of a class are asked for, {_MOST} are the most; give a lower density")
 
     def prepare(rooms: Sequence[float], overlap: float) -> Sowing:
         stock: Stock
@@ -181,7 +182,7 @@ def _measure_widest(plane: Plane, forms: Sequence[Form], clearance: float, terra
     grown = (form.grown(0.5 * clearance) for form in forms)
     widest = 2.0 * (terrain.largest if terrain else 1.0) * max(hypot(form.across, form.down) for form in grown)
     if plane.periodic and widest > min(plane.width, plane.height):
-        raise ValueError(
+        raise InputError(
             f"size {plane.width} x {plane.height}: too small to repeat, as a particle and what it keeps free "
             f"take {widest:.0f} pixels; give a larger one"
         )
@@ -217,20 +218,23 @@ def _check_request(
     plane: Plane, arrangement: Arrangement, kinds: Sequence[int], germ: tuple[float, float] | None
 ) -> None:
     if min(plane.width, plane.height) < 1:
-        raise ValueError(f"size {plane.width} x {plane.height}: give whole numbers of pixels, at least 1")
+        raise InputError(f"size {plane.width} x {plane.height}: give whole numbers of pixels, at least 1")
     if germ is not None and not (0 <= germ[0] <= plane.width and 0 <= germ[1] <= plane.height):
-        raise ValueError(f"germ {germ[0]}, {germ[1]}: is not on the plane of {plane.width} x {plane.height} pixels")
+        told = f"germ {germ[0]:g},{germ[1]:g}: is not on the plane"
+        raise InputError(f"{told}; give a place within {plane.width} x {plane.height} pixels")
     count = len(arrangement.classes)
     if len(set(kinds)) < len(kinds) or not set(kinds) <= set(range(count)):
-        raise ValueError(f"order {list(kinds)}: name classes from 0 to {count - 1}, each at most once")
+        raise InputError(f"order {list(kinds)}: name classes from 0 to {count - 1}, each at most once")
     if not any(arrangement.classes[kind].members for kind in kinds):
-        raise ValueError("no particle is complete, so there is none to place; give a picture with a whole one")
+        raise InputError("no particle is complete, so there is none to place; give a picture with a whole one")
 
 
 def _check_controls(decomposition: Decomposition, arrangement: Arrangement, controls: Sequence[Control]) -> None:
     kinds, count = len(arrangement.classes), len(decomposition.particles)
-    for control in controls:
+    for number, control in enumerate(controls, 1):
         if not set(control.classes or ()) <= set(range(kinds)):
-            raise ValueError(f"classes {list(control.classes or ())} of a control: name classes from 0 to {kinds - 1}")
+            told = f"classes {list(control.classes or ())} of control {number}"
+            raise InputError(f"{told}: name classes from 0 to {kinds - 1}")
         if not set(control.weights) <= set(range(count)):
-            raise ValueError(f"weights of particles {sorted(control.weights)}: name particles from 0 to {count - 1}")
+            told = f"weights of particles {sorted(control.weights)} in control {number}"
+            raise InputError(f"{told}: name particles from 0 to {count - 1}")

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jaxtex.core.errors import InputError
 from jaxtex.particles.controls import Control, combine_controls, region_of
 from jaxtex.particles.plane import Plane
 
@@ -58,6 +59,7 @@ class Terrain:
         chances: how likely each member is chosen where `regions` of a `Local` are, those before it added.
 
     Raises:
+        InputError: weights leave no particle.
         ValueError: a field gives what it must not.
 
     Examples:
@@ -122,7 +124,7 @@ class Terrain:
             )
         )
         if sums[-1] == 0:
-            raise ValueError(
+            raise InputError(
                 "weights: leave no complete particle of a class; give one more than 0, or a probability of 0"
             )
         return sums

@@ -80,6 +80,8 @@ FIELDS = [
     ),
     (["keys.toml", "-o", "f.exr", "--kind", "scale", "--size", "8x8", "--preview", "no/l.png"], "no/l.png: cannot be"),
     (["keys.toml", "-o", "f.exr", "--kind", "scael", "--size", "8x8"], "--kind"),
+    (["keys.toml", "-o", "f.exr", "--kind", "scale", "--size", "900000x900000"], "error: --size: 900000x900000 takes"),
+    (["keys.toml", "-o", "f.exr", "--kind", "scale", "--size", "8x8", "--preview", "l.gif"], "l.gif: cannot be"),
 ]
 
 
@@ -102,6 +104,19 @@ def test_elements_are_picked_proposed_or_painted(capsys: pytest.CaptureFixture[s
         assert (mask == spots()).mean() > 0.96
         assert read_image("look.png").pixels.shape == (96, 128, 3)
     assert capsys.readouterr().out.endswith(f"{spots().mean():.0%} of type 1, {1 - spots().mean():.0%} none\n")
+
+
+@pytest.mark.parametrize(
+    ("pixels", "told"),
+    [
+        (np.eye(5), "small.png: picture of 5 x 5 pixels: is too small"),
+        (np.ones((32, 32)), "small.png: picture: is all"),
+    ],
+)
+def test_pictures_without_elements_are_named(pixels: np.ndarray, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    write_image("small.png", pixels)
+    assert main(["texton-mask", "small.png", "-o", "mask.png"]) == 2
+    assert told in capsys.readouterr().err
 
 
 def test_picks_have_types() -> None:
@@ -136,12 +151,16 @@ MASKS = [
     (["--pick", "16"], "--pick: '16' is no point"),
     (["--pick", "16,16:x"], "--pick: '16,16:x' is no pick; write x,y:tolerance:type"),
     (["--pick", "16,16:5:4"], "is no pick"),
-    (["--pick", "500,16:5"], "(500, 16) lies outside the picture"),
+    (["--pick", "500,16:5"], "--pick: '500,16:5': points: (500, 16) lies outside the picture"),
+    (["--pick", "16,16:0"], "--pick: pick 1: tolerance 0"),
+    (["--despeckle", "-2"], "--despeckle: area: -2 is out of range"),
+    (["--open", "nan"], "--open: radius: nan is out of range"),
+    (["--overlay", "look.gif"], "look.gif: cannot be written as '.gif'"),
     (["--pick", "16,16:-5"], "tolerance -5 is out of range"),
     (["--pick", "16,16:5", "--painted", "hide.png"], "--painted does not go with --pick"),
     (["--painted", "hide.png"], "hide.png: is coloured"),
-    (["--smoothing", "-1", "--pick", "16,16"], "--smoothing: -1 is out of range"),
-    (["--erode", "-1"], "radius: -1 is out of range"),
+    (["--smoothing", "-1", "--pick", "16,16"], "--smoothing: -1 is out of range; give 0 to 100 pixels"),
+    (["--erode", "-1"], "--erode: radius: -1 is out of range"),
     (["--overlay", "mask.png"], "mask.png: would be written over"),
     (["--overlay", "hide.png"], "hide.png: would be written over"),
     (["--erode", "99"], "all of it would be of one type"),

@@ -124,6 +124,18 @@ def test_controls_are_taken_from_a_file(folder: Path, tmp_path: Path) -> None:
     assert {line[5] for line in json.loads((tmp_path / "a.json").read_text())["placed"]} == {0.5}
 
 
+@pytest.mark.parametrize("wish", ["density = 0", "probability = 0"])
+def test_that_nothing_is_placed_is_told(
+    folder: Path, spots: Path, tmp_path: Path, wish: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "none.toml").write_text(f"[[control]]\n{wish}\n")
+    words = ("--under", spots, "--control", tmp_path / "none.toml")
+    assert run(Synth, folder, "-o", tmp_path / "a.png", *words) == 0
+    hint = capsys.readouterr().err
+    assert f"nothing is placed; in {tmp_path / 'none.toml'} a density or probability may be 0" in hint
+    assert hint.count("\n") == 1
+
+
 def test_things_are_laid_over_another_picture_where_it_is_free(folder: Path, tmp_path: Path) -> None:
     write_image(tmp_path / "wall.png", np.full((160, 200, 3), 0.2))
     mask = np.zeros((160, 200, 1))
@@ -146,8 +158,9 @@ def test_things_are_laid_over_another_picture_where_it_is_free(folder: Path, tmp
         (("--classes", "2", "--colours", "ff0000"), "--classes: goes without"),
         (("--ground", "ff0000"), "--ground: goes with --colours"),
         (("--colours", "red"), "--colours: 'red'"),
-        (("--colours", "500,5"), "--colours: .*lies outside"),
-        (("--colours", "00ff00", "--ground", "a8413a", "c4bb9f"), "nothing has these colours"),
+        (("--colours", "500,5"), "--colours: '500,5': .*lies outside"),
+        (("--classes", "99"), "^--classes: 99 are asked for"),
+        (("--colours", "00ff00", "--ground", "a8413a", "c4bb9f"), r"spots\.png: .*nothing has these colours"),
         (("--smoothing", "-1", "--colours", "ff0000"), "--smoothing"),
         (("--label-classes",), "--label-classes: goes with --labels"),
         (("--find",), "--find: goes with"),
@@ -165,10 +178,10 @@ def test_wishes_that_cannot_be_met_in_taking_apart(spots: Path, tmp_path: Path, 
 
 def test_pictures_that_cannot_be_taken_apart(spots: Path, tmp_path: Path) -> None:
     write_image(tmp_path / "flat.png", np.full((40, 40, 3), 0.3))
-    with pytest.raises(InputError, match="one colour"):
+    with pytest.raises(InputError, match=r"flat\.png: picture: is all of one colour"):
         run(Analyse, tmp_path / "flat.png", "-o", tmp_path / "out")
     write_image(tmp_path / "tiny.png", np.full((5, 5, 3), 0.3))
-    with pytest.raises(InputError, match="too small"):
+    with pytest.raises(InputError, match=r"tiny\.png: .*too small"):
         run(Analyse, tmp_path / "tiny.png", "-o", tmp_path / "out")
     write_image(tmp_path / "paint.png", np.ones((20, 20, 1)), colour_space="data")
     with pytest.raises(InputError, match="is 20 x 20, and the exemplar 120 x 96"):
@@ -186,9 +199,11 @@ def test_pictures_that_cannot_be_taken_apart(spots: Path, tmp_path: Path) -> Non
         (("--size", "900000x900000"), "GiB"),
         (("--scale", "0"), "--scale"),
         (("--germ", "5"), "--germ"),
-        (("--germ", "900,5", "--size", "60x60"), "germ"),
-        (("--order", "3"), "order"),
-        (("--size", "8x8", "--tileable"), "too small to repeat"),
+        (("--germ", "900,5", "--size", "60x60"), "^--germ 900,5: is not on the plane"),
+        (("--order", "3"), "^--order .3.: name classes"),
+        (("--size", "8x8", "--tileable"), "^--size 8 x 8: too small to repeat"),
+        (("--control", "kinds.toml"), r"^kinds\.toml: classes \[7\] of control 2: name classes from 0 to 0"),
+        (("--control", "weights.toml"), r"^weights\.toml: weights of particles \[999\] in control 1: name particles"),
         (("--control", "nowhere.toml"), r"nowhere\.toml"),
         (("--composition", "nowhere.json"), r"nowhere\.json"),
         (("--composition", "nowhere.json", "--size", "60x60"), "--size: goes without --composition"),
@@ -202,7 +217,9 @@ def test_wishes_that_cannot_be_met_in_arranging(
     folder: Path, tmp_path: Path, words: tuple, told: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    with pytest.raises((InputError, ValueError), match=told):
+    Path("kinds.toml").write_text("[[control]]\nsize = 0.5\n[[control]]\nclasses = [7]\n")
+    Path("weights.toml").write_text("[[control]]\nweights = {999 = 0}\n")
+    with pytest.raises(InputError, match=told):
         run(Synth, folder, "-o", "out.png", *words)
     assert not (tmp_path / "out.png").exists()
 

@@ -207,7 +207,7 @@ def test_a_class_that_died_out_gets_another_turn() -> None:
     ("choices", "complaint"),
     [
         ({"size": (0, 100)}, "size 0 x 100"),
-        ({"germ": (900.0, 10.0)}, "germ 900.0, 10.0: is not on the plane of 700 x 700"),
+        ({"germ": (900.0, 10.0)}, "germ 900,10: is not on the plane; give a place within 700 x 700"),
         ({"order": [0, 0]}, "each at most once"),
         ({"order": [1]}, "name classes from 0 to 0"),
         ({"size": (10, 10), "tileable": True}, "too small to repeat"),
