@@ -40,8 +40,8 @@ class Analyse:
     --polygons or --labels, and --find or --colours: what they leave is looked for as well.
 
     Writes a folder for 'jaxtex particles synth': labels.png (16 bits: each pixel the number of its thing), which may be
-    mended by hand, particles.json (the things' classes), a copy of the picture, and sheet.png to look at. Where what
-    was found hardly looks like things, the exit status is 1.
+    mended by hand, and is not written over then; particles.json (the things' classes), a copy of the picture, and
+    sheet.png to look at. Where what was found hardly looks like things, the exit status is 1.
 
     Example: jaxtex particles analyse coins.png -o coins
 
@@ -97,6 +97,8 @@ class Analyse:
         return status
 
     def _check(self) -> None:
+        from jaxtex.particles.files import has_mended_labels
+
         if self.classes is not None and self.classes < 1:
             raise InputError(f"--classes: {self.classes} is out of range; give 1 or more")
         if self.classes is not None and self.colours:
@@ -106,6 +108,11 @@ class Analyse:
         for path in (self.labels, self.polygons):
             if path is not None and path.resolve() in {(self.output / name).resolve() for name in _WRITTEN}:
                 raise InputError(f"--output: {path} would be written over; give another folder")
+        if has_mended_labels(self.output):
+            raise InputError(
+                f"--output: {self.output / 'labels.png'} was mended by hand and would be written over; give another "
+                "folder, or move it away first"
+            )
         if self.smallest < 0:
             raise InputError(f"--smallest: {self.smallest} is out of range; give 0 or more")
         if not 0 <= self.smoothing <= 100:

@@ -4,6 +4,8 @@ The folder holds a copy of the picture's file, `labels.png` (each pixel the numb
 and `particles.json` (the class of each particle). Labels may be painted over with any editor that keeps 16 bits.
 """
 
+import hashlib
+import json
 import shutil
 from pathlib import Path
 from typing import NamedTuple
@@ -74,11 +76,35 @@ def write_particles(
     write_image(folder / _LABELS, labels, colour_space="data", bits=16)
     content = {
         "picture": picture.name,
+        "labels_sha256": _hash(folder / _LABELS),
         "classes": list(names),
         "particles": [{"class": each.kind} for each in decomposition.particles],
     }
     source = SourceImage(image.width, image.height, image.sha256)
     write_envelope(folder / _PARTICLES, "particles", image=source, content=content, versions=None, seed=None)
+
+
+def has_mended_labels(folder: Path | str) -> bool:
+    """Whether a folder has labels that `write_particles` did not write so, which a person may have mended.
+
+    Examples:
+        >>> has_mended_labels("nowhere")
+        False
+    """
+    folder = Path(folder)
+    if not (folder / _LABELS).exists():
+        return False
+    try:
+        document = json.loads((folder / _PARTICLES).read_bytes())
+    except (OSError, ValueError):
+        return True
+    written = document.get("labels_sha256") if isinstance(document, dict) else None
+    return written != _hash(folder / _LABELS)
+
+
+def _hash(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def read_particles(folder: Path | str) -> ParticleFolder:

@@ -87,6 +87,20 @@ def test_things_that_are_painted(spots: Path, tmp_path: Path) -> None:
     assert len(read_particles(tmp_path / "out").decomposition.particles) == 3
 
 
+def test_labels_mended_by_hand_are_not_written_over(spots: Path, tmp_path: Path) -> None:
+    words = (spots, "-o", tmp_path / "out", "--colours", "12,12")
+    assert run(Analyse, *words) == 0
+    assert run(Analyse, *words) == 0
+    labels = tmp_path / "out" / "labels.png"
+    write_image(
+        labels, np.where(np.arange(120) < 60, 1 / 65535, 0)[None].repeat(96, axis=0), colour_space="data", bits=16
+    )
+    mended = labels.read_bytes()
+    with pytest.raises(InputError, match=r"--output: .*labels\.png was mended by hand"):
+        run(Analyse, *words)
+    assert labels.read_bytes() == mended
+
+
 def test_things_are_arranged_anew(folder: Path, tmp_path: Path) -> None:
     words = (folder, "-o", tmp_path / "a.png", "--size", "192x144", "--tileable")
     assert run(Synth, *words, "--save", tmp_path / "a.json", "--mask", tmp_path / "mask.png") == 0

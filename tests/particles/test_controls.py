@@ -276,8 +276,8 @@ def test_dots_of_one_picture_lie_on_the_joints_of_another() -> None:
         ([Control(where=lambda x, y: x)], r"where is \d.* at \(\d+, 1\); give 0 to 1"),
         ([Control(size_variation=1.0)], "size_variation is 1; give 0 to 0.95"),
         ([Control(orientation=np.nan)], "orientation: holds a number that is not finite"),
-        ([Control(classes=[1])], r"classes \[1\] of a control: name classes from 0 to 0"),
-        ([Control(weights={999: 1.0})], r"weights of particles \[999\]: name particles from 0 to"),
+        ([Control(classes=[1])], r"classes \[1\] of control 1: name classes from 0 to 0"),
+        ([Control(weights={999: 1.0})], r"weights of particles \[999\] in control 1: name particles from 0 to"),
         (
             [Control(weights=dict.fromkeys(range(len(STREWN.particles)), 0.0))],
             "weights: leave no complete particle",

@@ -8,7 +8,7 @@ import pytest
 
 from jaxtex.core.errors import InputError
 from jaxtex.io.images import read_image, write_image
-from jaxtex.particles.files import read_particles, write_particles
+from jaxtex.particles.files import has_mended_labels, read_particles, write_particles
 from jaxtex.particles.things import Decomposition, describe_particles
 
 
@@ -47,6 +47,17 @@ def test_labels_mended_by_hand(tmp_path: Path, decomposed: Decomposition) -> Non
     mended = read_particles(tmp_path / "out")
     assert mended.names == ("leaf",)
     assert [each.kind for each in mended.decomposition.particles] == [0, 0]
+
+
+def test_that_labels_are_mended_is_known(tmp_path: Path, decomposed: Decomposition) -> None:
+    assert not has_mended_labels(tmp_path)
+    assert not has_mended_labels(tmp_path / "out")
+    mend_labels(tmp_path / "out", np.where(decomposed.labels == 2, 0, decomposed.labels))
+    assert has_mended_labels(tmp_path / "out")
+    write_particles(tmp_path / "out", read_image(tmp_path / "things.png"), decomposed)
+    assert not has_mended_labels(tmp_path / "out")
+    (tmp_path / "out" / "particles.json").unlink()
+    assert has_mended_labels(tmp_path / "out")
 
 
 def test_labels_that_do_not_fit(tmp_path: Path, decomposed: Decomposition) -> None:
