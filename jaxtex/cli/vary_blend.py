@@ -1,5 +1,6 @@
 """`jaxtex vary blend`: a texture that becomes another, elements and colours together."""
 
+import math
 import shlex
 import sys
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
 
 _DARKEST = 1e-3  # of weights that are summed up
+_LIKE = 8.0  # times as large as those of another texture: elements that still turn into these one by one
 _CLEAR = 5.0  # steps of CIE Lab lightness by which elements are clearly lighter or darker than what is around them
 
 
@@ -43,7 +45,8 @@ class VaryBlend:
     """The picture to write: .png, .jpg, .tif or .exr."""
     masks: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="MASK MASK [...]")]
     """Their texton masks, in the same order: each of its exemplar's size, all with the same types of elements. Elements
-    of one become elements of the next; where these are dark in one and light in the other, contrast is lost halfway."""
+    of one become elements of the next; where these are dark in one and light in the other, contrast is lost halfway,
+    and where they have more than 8 times the area in one, clear elements are."""
     size: Annotated[str | None, tyro.conf.arg(metavar="WxH", help_behavior_hint="")] = None
     """Its size in pixels. By default that of the smallest exemplar."""
     transition: Annotated[Path | None, tyro.conf.arg(metavar="PICTURE", help_behavior_hint="")] = None
@@ -79,7 +82,8 @@ class VaryBlend:
         smallest = min(each.shape[1] for each in pictures), min(each.shape[0] for each in pictures)
         size = smallest if self.size is None else varying.parse_made_size(self.size)
         weights = self._read_weights(size)
-        self._hint(pictures, masks)
+        self._hint_contrasts(pictures, masks)
+        self._hint_areas(masks)
         texture, mask = self._blend(pictures, masks, weights, radius)
 
         import numpy as np
@@ -110,9 +114,25 @@ class VaryBlend:
             if each != types[0]:
                 raise InputError(f"{path}: has types {each}, and {self.masks[0]} {types[0]}; give them the same types")
 
-    def _hint(self, pictures: list["np.ndarray"], masks: list["np.ndarray"]) -> None:
+    def _hint_areas(self, masks: list["np.ndarray"]) -> None:
+        """Tell of elements that are much larger in one texture than in another: halfway they are clusters."""
+        from jaxtex.progressive.mask_measures import measure_element_area
+
+        found = [measure_element_area(each) for each in masks]
+        told = [each for each in found if each]
+        if told and max(told) > _LIKE * min(told):
+            small, large = found.index(min(told)), found.index(max(told))
+            part = math.sqrt(found[small] / found[large])
+            print(
+                f"jaxtex: hint: elements of {self.masks[large]} have some {found[large]:.0f} pixels and those of "
+                f"{self.masks[small]} {found[small]:.0f}, so there are no clear ones halfway; scale one exemplar and "
+                f"its mask first, {self.exemplars[large]} to {part:.0%} or {self.exemplars[small]} to {1 / part:.0%}",
+                file=sys.stderr,
+            )
+
+    def _hint_contrasts(self, pictures: list["np.ndarray"], masks: list["np.ndarray"]) -> None:
         """Tell of elements that are dark in one texture and light in another: halfway they look like their ground."""
-        from jaxtex.progressive.texton_masks import measure_contrast
+        from jaxtex.progressive.mask_measures import measure_contrast
 
         contrasts = [measure_contrast(*each) for each in zip(pictures, masks, strict=True)]
         dark, light = contrasts.index(min(contrasts)), contrasts.index(max(contrasts))

@@ -2,6 +2,8 @@
 
 import math
 import re
+import shlex
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
@@ -93,10 +95,27 @@ class VaryWarp:
         labels = varying.read_mask_of(self.mask, self.exemplar, pixels)
         size = (labels.shape[1], labels.shape[0]) if self.size is None else varying.parse_made_size(self.size)
         _check_types(self.mask, labels, growths)
+        self._hint(labels)
         transition = varying.read_transition(self.transition, self.keys, size)
         made = self._make(pixels, labels, transition, growths, radius)
         varying.write_results(self.output, made, save=self.save, mask=self.mask_output)
         return 0
+
+    def _hint(self, labels: "np.ndarray") -> None:
+        """Tell of pinholes, which become holes where elements shrink."""
+        from jaxtex.progressive.mask_measures import PINHOLE, count_holes
+
+        holes, pinholes = count_holes(labels)
+        if pinholes:
+            how = ["--fill"] if pinholes == holes else ["--despeckle", f"{PINHOLE}"]
+            other = self.mask.with_name(f"{self.mask.stem}_filled.png")
+            words = ["jaxtex", "texton-mask", f"{self.exemplar}", "--painted", f"{self.mask}", *how, "-o", f"{other}"]
+            told = f"{pinholes} {'pinhole' if pinholes == 1 else 'pinholes'}"
+            print(
+                f"jaxtex: hint: {self.mask} has {told} in its elements, of which holes are made; fill them first, "
+                f"as by: {shlex.join(words)}",
+                file=sys.stderr,
+            )
 
     def _make(
         self,

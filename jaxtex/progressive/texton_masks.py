@@ -120,31 +120,6 @@ def check_texton_mask(mask: npt.ArrayLike, size: tuple[int, int] | None = None) 
     return labels.astype(np.uint8)
 
 
-def measure_contrast(pixels: npt.ArrayLike, mask: npt.ArrayLike) -> float:
-    """How much lighter elements are than what is around them, on average.
-
-    Args:
-        pixels: linear light, [row, col] or [row, col, channel] of 1 or 3 channels.
-        mask: labels [row, col].
-
-    Returns:
-        The difference of CIE Lab lightness, -100 to 100; below 0 where elements are darker. 0 where either is missing.
-
-    Raises:
-        InputError: no picture, no mask, or a mask of another size.
-
-    Examples:
-        >>> round(measure_contrast([[0.0, 1.0]], [[0, 1]]))
-        100
-    """
-    picture = check_picture(pixels)
-    elements = check_texton_mask(mask, (picture.shape[1], picture.shape[0])) > 0
-    if elements.all() or not elements.any():
-        return 0.0
-    lightness = to_lab(picture)[..., 0]
-    return float(lightness[elements].mean() - lightness[~elements].mean())
-
-
 def refine_texton_mask(mask: npt.ArrayLike, operation: Operation, radius: float) -> Labels:
     """Refine elements by morphology. It acts on the border of elements, whatever their types, and what they gain is of
     the nearest type: borders between types stay.

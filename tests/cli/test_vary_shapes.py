@@ -7,6 +7,7 @@ import pytest
 
 from jaxtex.cli.main import main
 from jaxtex.cli.vary_blend import VaryBlend
+from jaxtex.cli.vary_warp import VaryWarp
 from jaxtex.core.errors import InputError
 from jaxtex.io.images import read_image, write_image
 from jaxtex.io.masks import write_mask
@@ -126,6 +127,56 @@ def test_masks_of_more_types_are_not_to_be_turned_round(
         write_texton_mask(f"{name}_mask.png", mask)
     assert main(["vary", *BLEND, "--size", "24x16"]) == 2
     assert "so they fade halfway\n" in capsys.readouterr().err
+
+
+def test_elements_of_very_unequal_size_are_told(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*_: object) -> None:
+        raise InputError("stopped")
+
+    monkeypatch.setattr(VaryBlend, "_blend", stop)
+    row, column = np.indices((48, 64))
+    for radius, told in ((12, False), (15, True)):  # beside 5: 5.8 and 9 times the area
+        mask = np.hypot(row - 24, column - 32) < radius
+        write_image("large.png", np.where(mask, 0.05, 0.6))
+        write_texton_mask("large_mask.png", mask)
+        words = [
+            "vary",
+            "blend",
+            "large.png",
+            "spots.png",
+            "-o",
+            "out.png",
+            "--masks",
+            "large_mask.png",
+            "spots_mask.png",
+        ]
+        assert main(words) == 2
+        hint = capsys.readouterr().err.removesuffix("jaxtex: error: stopped\n")
+        assert bool(hint) == told
+    assert "elements of large_mask.png have some 697 pixels and those of spots_mask.png 69, so" in hint
+    assert hint.endswith("large.png to 31% or spots.png to 318%\n")
+
+
+def test_pinholes_are_told(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(*_: object) -> None:
+        raise InputError("stopped")
+
+    monkeypatch.setattr(VaryWarp, "_make", stop)
+    words = ["vary", "warp", "spots.png", "spots_mask.png", "-o", "out.png", "--grow=-1"]
+    assert main(words) == 2
+    assert "hint" not in capsys.readouterr().err
+    mask = spots(16, 7)
+    mask[8, 8] = mask[24, 40] = 0
+    write_texton_mask("spots_mask.png", mask)
+    assert main(words) == 2
+    hint = capsys.readouterr().err.splitlines()[0]
+    assert "spots_mask.png has 2 pinholes in its elements" in hint
+    command = "jaxtex texton-mask spots.png --painted spots_mask.png --fill -o spots_mask_filled.png"
+    assert hint.endswith(command)
+    assert main(command.split()[1:]) == 0
+    np.testing.assert_array_equal(read_texton_mask("spots_mask_filled.png"), spots(16, 7))
 
 
 def test_weights_place_three_textures() -> None:

@@ -190,17 +190,6 @@ def test_overlays_leave_what_is_no_element_as_it_is(channels: int) -> None:
     assert np.abs(shown - pixels)[labels > 0].max(axis=-1).min() > 0
 
 
-def test_contrast_is_that_of_all_types_of_elements_against_what_is_none() -> None:
-    labels = np.repeat([0, 1, 2, 0], 8).reshape(4, 8)
-    light = np.where(labels == 0, 0.5, np.where(labels == 1, 0.1, 0.2))
-    lightness = 116 * np.cbrt([0.1, 0.2]).mean() - 116 * np.cbrt(0.5)
-    assert tm.measure_contrast(light, labels) == pytest.approx(lightness, abs=0.5)
-    assert tm.measure_contrast(light, labels == 0) == pytest.approx(-lightness, abs=0.5)
-    assert tm.measure_contrast(light, np.zeros((4, 8))) == 0
-    with pytest.raises(InputError):
-        tm.measure_contrast(light, labels[:2])
-
-
 def test_an_unknown_operation_is_named_with_those_there_are() -> None:
     with pytest.raises(ValueError, match="'opening' is not known; give open, close, dilate, erode"):
         tm.refine_texton_mask(np.eye(4), "opening", 1)  # type: ignore[arg-type]
