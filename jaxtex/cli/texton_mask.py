@@ -1,5 +1,6 @@
 """`jaxtex texton-mask`: which pixels of an exemplar belong to its elements."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +26,8 @@ class TextonMask:
     Example: jaxtex texton-mask hide.png -o mask.png --pick 40,31:12 --open 1.5 --overlay look.png
 
     Example: jaxtex texton-mask leopard.png -o mask.png --pick 40,31:15:1 --pick 52,30:20:2 --despeckle 20
+
+    Example: jaxtex texton-mask pebbles.jpg -o mask.png --pick 130,4:30 --smoothing 0.7 --invert --open 1.5
 
     Example: jaxtex texton-mask flowers.jpg -o mask.png --painted dots.png
     """
@@ -86,6 +89,12 @@ class TextonMask:
         write_together(writers)
         shares = [f"{np.mean(mask == label):.0%} of type {label}" for label in range(1, int(mask.max()) + 1)]
         print(f"{self.output}: {', '.join(shares) or 'no elements'}, {np.mean(mask == 0):.0%} none")
+        if not self.pick and self.painted is None:
+            print(
+                "jaxtex: hint: colours were chosen with nothing said; if --overlay shows that things are missing, as "
+                "among pebbles of several colours, pick a gap between them: --pick X,Y:30 --invert --open 1.5",
+                file=sys.stderr,
+            )
         return 0
 
     def _make(self, pixels: "np.ndarray") -> "np.ndarray":

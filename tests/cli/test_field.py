@@ -100,9 +100,13 @@ def test_elements_are_picked_proposed_or_painted(capsys: pytest.CaptureFixture[s
     texton_masks.write_texton_mask("painted.png", spots())
     for words in (["--pick", "16.5,16.5:20", "--smoothing", "0"], [], ["--painted", "painted.png"]):
         assert main(["texton-mask", "hide.png", "-o", "mask.png", "--overlay", "look.png", *words]) == 0
+        hint = capsys.readouterr().err
+        assert hint.count("\n") == (not words)
+        assert ("pick a gap" in hint) == (not words)
         mask = texton_masks.read_texton_mask("mask.png", (128, 96))
         assert (mask == spots()).mean() > 0.96
         assert read_image("look.png").pixels.shape == (96, 128, 3)
+    assert main(["texton-mask", "hide.png", "-o", "mask.png", "--painted", "painted.png"]) == 0
     assert capsys.readouterr().out.endswith(f"{spots().mean():.0%} of type 1, {1 - spots().mean():.0%} none\n")
 
 
