@@ -9,6 +9,7 @@ Departures: masks are dilated and eroded by thresholding signed distances, so ex
 change smoothly. Contours are found by marching squares rather than by border following (Suzuki and Abe 1985).
 """
 
+import itertools
 from collections.abc import Sequence
 from typing import Literal
 
@@ -25,6 +26,7 @@ Direction = Literal["all", "horizontal", "vertical"]
 
 _SMOOTHING = 0.7  # pixels, standard deviation: stairs that pixels make of borders do not grow with them
 _LEAST = 1e-3  # pixels; a pixel is at least as far on its own side of a border
+_END = 7  # points of a contour, some 5 pixels, that tell which way it goes where it leaves the picture
 _SPECK = 6  # pixels: what is left of an element that is smaller vanishes
 _CONTOUR_STEP = 3  # pixels between features along a contour
 _NEIGHBOURS = 48  # features that count for a pixel
@@ -86,7 +88,8 @@ def signed_distance(inside: npt.ArrayLike, direction: Direction = "all") -> Floa
 
     Returns:
         [row, col]. The border runs midway between pixels; of "all" directions, stairs that pixels make of it are
-        smoothed. Where no border is seen, it is as far away as any can be.
+        smoothed, and what the picture cuts closes beyond it as a circle where it bends so. Where no border is seen, it
+        is as far away as any can be.
 
     Examples:
         >>> signed_distance([[False, False, True, True, True, True]], "horizontal").tolist()
@@ -225,8 +228,40 @@ def _distance_to_contours(within: Bools) -> Floats:
     if not contours:
         return np.full(within.shape, float(np.hypot(*within.shape)))
     points = [point for each in contours for point in (each, 0.5 * (each[1:] + each[:-1]))]
+    points += _close_beyond(contours, within.shape)
     pixels = np.moveaxis(np.indices(within.shape), 0, -1)
     return np.asarray(cKDTree(np.concatenate(points)).query(pixels)[0])
+
+
+def _close_beyond(contours: Sequence[Floats], shape: tuple[int, ...]) -> list[Floats]:
+    """Arcs beyond the picture that close what is cut by its border, where its contours bend to each other there.
+
+    Without them such an element would seem as deep at the border as it is wide there, and leave a tail when it shrinks.
+    """
+    cut = [each for each in contours if len(each) > 2 * _END and not np.array_equal(each[0], each[-1])]
+    lines = [line for each in cut for line in (each[::-1], each)]
+    arcs = []
+    for axis, border, out in ((0, 0, -1), (1, 0, -1), (0, shape[0] - 1, 1), (1, shape[1] - 1, 1)):
+        ends = sorted((line for line in lines if line[-1, axis] == border), key=lambda line: line[-1, 1 - axis])
+        for one, other in itertools.pairwise(ends):
+            before, after = (_lean(one, other, 1 - axis, places) for places in ((-2 * _END, -_END), (-_END, -1)))
+            if not after > max(before, 0.0):
+                continue
+            chord, half = other[-1, 1 - axis] - one[-1, 1 - axis], max(0.5 * (np.pi - after), 0.1)
+            radius = 0.5 * chord / np.sin(half)
+            turn = np.arange(-half, half, 0.5 / radius)
+            arc = np.empty((len(turn), 2))
+            arc[:, axis] = border + out * radius * (np.cos(turn) - np.cos(half))
+            arc[:, 1 - axis] = one[-1, 1 - axis] + 0.5 * chord + radius * np.sin(turn)
+            arcs.append(arc)
+    return arcs
+
+
+def _lean(one: Floats, other: Floats, axis: int, places: tuple[int, int]) -> float:
+    """Radians by which two contours, between places of theirs, lean to each other along an axis."""
+    ways = [line[places[1]] - line[places[0]] for line in (one, other)]
+    first, second = (np.arcsin(way[axis] / np.hypot(*way)) for way in ways)
+    return float(first - second)
 
 
 def _distance_to(region: Bools, direction: Direction) -> Floats:

@@ -77,6 +77,28 @@ def test_borders_within_a_group_stay_and_losses_go_to_neighbours() -> None:
     assert (outwards[mask == 0].max(), (outwards == 2).sum() > (mask == 2).sum()) == (2, True)
 
 
+@pytest.mark.parametrize("turns", range(4))
+@pytest.mark.parametrize("amount", [-8.0, -5.0])
+def test_what_the_picture_cuts_leaves_no_tail(turns: int, amount: float) -> None:
+    away = np.hypot(*(np.indices((60, 60)) - 29.8))
+    for cut in (8, 10, 12):
+        disk, shrunk = (np.rot90((away < 14.3 + by)[:, : 31 + cut], turns) for by in (0.0, amount))
+        made = np.rot90(grow_mask(disk, amount), -turns) > 0
+        true = np.rot90(shrunk, -turns)
+        assert made[:, -1].sum() <= true[:, -1].sum() + 2
+        assert np.sum(made != true) < 0.2 * true.sum()
+
+
+def test_what_goes_on_beyond_the_picture_shrinks_at_its_border_as_elsewhere() -> None:
+    stripes = np.broadcast_to(np.arange(80) % 20 < 10, (50, 80))
+    for mask in (stripes, stripes.T):
+        grown = grow_mask(mask, -2.0)
+        middle = grown[25:26] if mask is stripes else grown[:, 25:26]
+        np.testing.assert_array_equal(grown, np.broadcast_to(middle, grown.shape))
+    thin = np.hypot(*(np.indices((60, 30)) - np.array([30, 40])[:, None, None])) < 14.3
+    assert grow_mask(thin, 5.0)[:, -1].sum() == pytest.approx(2 * np.sqrt(19.3**2 - 11**2), abs=4)
+
+
 def test_what_vanishes_leaves_no_specks() -> None:
     mask = disks()
     for amount in np.linspace(-9, -7, 9):
