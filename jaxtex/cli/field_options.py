@@ -96,7 +96,7 @@ def _read_scale(word: str) -> "np.ndarray":
         if np.ptp(values, axis=2).any():
             raise InputError(f"--scale: {word} has several channels that differ; give a picture of one")
         return values[..., 0]
-    if not scale > 0:
+    if not 0 < scale < np.inf:
         raise InputError(f"--scale: {scale:g} is out of range; give a number above 0")
     return np.full((1, 1), scale)
 

@@ -156,10 +156,13 @@ def read_polygons(path: Path | str, size: tuple[int, int] | None = None) -> list
         >>> read_polygons("leaves.json")[0].name
         'leaf'
     """
+    file = existing_file(path)
     try:
-        document = json.loads(existing_file(path).read_text(encoding="utf-8"))
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        document = json.loads(file.read_text(encoding="utf-8"))
+    except ValueError as error:  # JSONDecodeError, UnicodeDecodeError, or an integer of thousands of digits
         raise InputError(f"{path}: is no JSON ({error})") from None
+    except RecursionError:
+        raise InputError(f"{path}: has brackets too deep in each other; save outlines as labelme does") from None
     shapes = document.get("shapes") if isinstance(document, dict) else None
     if not isinstance(shapes, list) or not shapes:
         raise InputError(f'{path}: has no "shapes", or none in them; save outlines as labelme does')

@@ -153,6 +153,7 @@ def test_maps_that_do_not_go_along(
         (["--scale", "0"], "--scale: 0 is out of range"),
         (["--scale", "-1"], "--scale: -1 is out of range"),
         (["--scale", "nan"], "--scale: nan is out of range"),
+        (["--scale", "1e400"], "--scale: inf is out of range"),
         (["--scale", "100"], "give values from 0.125 to 16"),
         (["--scale", "large"], "neither a number nor a picture"),
         (["--scale", "none.exr"], "none.exr"),

@@ -125,6 +125,8 @@ def test_rectangles_are_polygons_and_sizes_of_pictures_are_compared(tmp_path: Pa
     ("text", "told"),
     [
         ("{", "no JSON"),
+        ('{"shapes": ' + 5000 * "9" + "}", "no JSON"),
+        (100_000 * "[", "brackets too deep"),
         ("[]", "shapes"),
         ('{"shapes": []}', "shapes"),
         ('{"shapes": [{"label": "a"}]}', "shape 1"),
