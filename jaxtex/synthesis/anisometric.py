@@ -249,7 +249,7 @@ class _Stage(NamedTuple):
 
 def _plan_stages(coarsest: int, frames: list[Floats], search: Search) -> list[_Stage]:
     """Each pixel is decided where those of the texture and of the exemplar are about as large as one another: what is
-    larger in the texture, at coarser resolutions of it.
+    larger in the texture, at coarser resolutions of it, and once more in full, so that seams have no stairs.
 
     Args:
         coarsest: resolution of the exemplar.
@@ -261,7 +261,7 @@ def _plan_stages(coarsest: int, frames: list[Floats], search: Search) -> list[_S
         # Where things would be as large as in the exemplar if this were as many octaves coarser.
         alike = -np.rint(0.5 * np.log2(np.linalg.det(frames[texture]))).astype(int)
         if texture == 0:
-            alike = np.minimum(alike, coarsest)
+            alike = np.clip(alike, 0, coarsest)
         for exemplar in reversed(range(coarsest + 1)):
             there = alike == exemplar
             first = exemplar == coarsest or texture == len(frames) - 1

@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
+from typing import Any
 
 import jax
 import numpy as np
@@ -14,7 +15,8 @@ from jaxtex.synthesis.exemplars import ExemplarLevel
 _BLOCK = 11  # pixels at the coarsest level: the larger, the more is copied as it stands
 _GUIDED_BLOCK = 5  # likewise, where guides change within larger ones
 _FIT = 1.5  # times as large as it should be may a piece be before it is parted in four
-_DRAWS = 48  # places that are tried for each piece
+_DRAWS = 192  # places that are tried for each piece
+_SPARE = 4  # times as many are drawn, of which those are tried that have been used least
 _SHIFT = 3  # pixels, at most, by which the best of these is moved to where it fits even better
 _NOT_WHOLE = 1e6  # how much worse than all others is a place beside which the exemplar ends within the piece
 
@@ -25,12 +27,14 @@ def lay_pieces(level: ExemplarLevel, given: Given, tolerance: float, key: Array,
     """Pieces of the exemplar, each scaled and turned about its middle; as sources [row, col, 2].
 
     Each is, of some that are drawn among the places that may be used, the one that is most like what lies around it
-    already, so that regular textures stay in step, and like the guide.
+    already, so that regular textures stay in step, and like the guide. Without a guide, all parts of the exemplar come
+    into use about equally often, so that the texture has as much of each thing as it has.
     """
     rng = np.random.default_rng(np.asarray(jax.random.bits(key, (4,), np.uint32)))
     shape = given.frames.shape[:2]
     block = _GUIDED_BLOCK if given.guide.shape[2] else _BLOCK
     sources, laid = np.zeros((*shape, 2), np.float32), np.zeros(shape, bool)
+    used = np.zeros(level.valid.shape, np.int32)
     shifts = _pixels(-_SHIFT, _SHIFT + 1, -_SHIFT, _SHIFT + 1)
     for top, bottom, left, after in _part(np.sqrt(np.linalg.det(given.frames)), block):
         middle = (top + bottom - 1) // 2, (left + after - 1) // 2
@@ -48,8 +52,12 @@ def lay_pieces(level: ExemplarLevel, given: Given, tolerance: float, key: Array,
             return options[np.argmin(missed)][None]
 
         drawn = _draw_places(level, given, middle, tolerance, inside, radius, rng)
+        if not given.guide.shape[2]:
+            often = _show(used, _lead(level, given, drawn, middle, inside)).mean(axis=1)
+            drawn = drawn[np.argsort(often, kind="stable")[:_DRAWS]]
         place = choose(choose(drawn) + shifts)
-        piece = _lead(level, given, place, middle, inside)
+        piece = _lead(level, given, place, middle, inside)[0]
+        np.add.at(used, _nearest(used.shape, piece), 1)
         sources[top:bottom, left:after] = piece.reshape(bottom - top, after - left, 2)
         laid[top:bottom, left:after] = True
     return np.clip(sources, radius, np.array(level.valid.shape) - 1 - radius)
@@ -94,7 +102,8 @@ def _draw_places(
     usable = np.argwhere(level.valid & (apart < max(tolerance, apart[level.valid].min() + 1e-6)))
     whole = _lie_within(level, given, usable, middle, pixels, radius)
     usable = usable[whole] if whole.any() else usable
-    return usable[rng.integers(len(usable), size=_DRAWS)]
+    count = _DRAWS if given.guide.shape[2] else _SPARE * _DRAWS
+    return usable[rng.integers(len(usable), size=count)]
 
 
 def _lie_within(
@@ -127,12 +136,16 @@ def _lead(
     return (places[:, None] + away[None] @ np.swapaxes(steps, 1, 2)).astype(np.float32)
 
 
-def _show(picture: Floats, sources: Floats) -> Floats:
-    row, column = (
+def _show(picture: npt.NDArray[Any], sources: Floats) -> npt.NDArray[Any]:
+    return picture[_nearest(picture.shape, sources)]
+
+
+def _nearest(shape: tuple[int, ...], sources: Floats) -> tuple[Places, ...]:
+    """(rows, columns) of the pixels of a picture of some shape that are nearest to sources."""
+    return tuple(
         np.clip(np.rint(each), 0, side - 1).astype(int)
-        for each, side in zip(np.moveaxis(sources, -1, 0), picture.shape[:2], strict=True)
+        for each, side in zip(np.moveaxis(sources, -1, 0), shape[:2], strict=True)
     )
-    return picture[row, column]
 
 
 def _miss_guide(

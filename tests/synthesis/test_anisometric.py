@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.ndimage import label, map_coordinates
+from scipy.ndimage import gaussian_filter, label, map_coordinates
 
 from jaxtex.synthesis.anisometric import Transition, make_frames, sample_sources, synthesise_anisometric
 from jaxtex.synthesis.anisometric_pass import Given, Known, decide_all, order_pixels
@@ -58,13 +58,26 @@ def test_scale_changes_along_the_picture() -> None:
 def test_spots_are_as_large_as_asked_and_whole(scale: float) -> None:
     exemplar = draw_spots()
     fields = np.full((144, 144), scale), np.zeros((144, 144))
-    made = sample_sources(exemplar, synthesise_anisometric(exemplar, *fields, key=KEY), make_frames(*fields))
-    labels, _ = label(made[..., 0] < 0.5)
-    border = np.concatenate([labels[[0, -1]].ravel(), labels[:, [0, -1]].ravel()])
-    areas = np.bincount(labels.ravel())[np.setdiff1d(labels, border)]
-    radii = np.sqrt(areas / np.pi) / (5 * scale)
+    areas = []
+    for key in jax.random.split(KEY, 3):
+        made = sample_sources(exemplar, synthesise_anisometric(exemplar, *fields, key=key), make_frames(*fields))
+        labels, _ = label(made[..., 0] < 0.5)
+        border = np.concatenate([labels[[0, -1]].ravel(), labels[:, [0, -1]].ravel()])
+        areas.append(np.bincount(labels.ravel())[np.setdiff1d(labels, border)])
+    radii = np.sqrt(np.concatenate(areas) / np.pi) / (5 * scale)
     assert np.median(radii) == pytest.approx(1, abs=0.08)
-    assert np.mean(np.abs(radii - 1) < 0.2) > 0.75
+    assert np.mean(np.abs(radii - 1) < 0.2) > 0.8
+
+
+def test_parts_of_the_exemplar_are_used_about_equally_often() -> None:
+    """By fit alone some of 16 parts came up three times as often as they should, with these keys."""
+    exemplar = gaussian_filter(np.random.default_rng(0).random((96, 96, 1)), (2, 2, 0))
+    fields = np.ones((160, 160)), np.zeros((160, 160))
+    for key in jax.random.split(KEY, 2):
+        sources = synthesise_anisometric(exemplar / exemplar.std(), *fields, key=key)
+        counts = np.histogram2d(*sources.reshape(-1, 2).T, bins=4, range=[[0, 96]] * 2)[0]
+        assert counts.std() < 0.6 * counts.mean()
+        assert counts.max() < 2.2 * counts.mean()
 
 
 def draw_spots() -> np.ndarray:
