@@ -15,13 +15,14 @@ import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy import ndimage
 from scipy.spatial import cKDTree
+from scipy.stats import qmc
 from skimage.measure import perimeter, regionprops
 from skimage.transform import resize
 
 BLUR = 2.0  # pixels, of labels that are blended
 GRAIN = 1.5  # pixels: standard deviation of what smooths grain away
 STRIPS = 8
-SHIFTS = 48  # of masks against each other, over which measures are means
+SHIFTS = 64  # of masks against each other, over which measures are means
 _LEAST_AREA = 6  # pixels of an element that is measured
 _MIXTURE_LEVELS, _MIXTURE_PASSES, _MIXTURE_RADIUS, _MIXTURE_DIMENSIONS = 4, 3, 3, 12
 
@@ -56,11 +57,14 @@ def measure_strips(mask: Labels) -> Strips:
 
 
 def measure_blend(masks: list[Labels], weights: Floats, blend: Callable[[list[Labels], Floats], Labels]) -> Strips:
-    """The same for a way of blending masks, as the mean over masks that are shifted against each other."""
-    rng = np.random.default_rng(0)
+    """The same for a way of blending masks, as the mean over masks that are shifted against each other.
+
+    Shifts are spread evenly: of as many that are drawn, what masks have more of here than there is left in the means.
+    """
     total = []
-    for _ in range(SHIFTS):
-        moved = [np.roll(each, tuple(rng.integers(each.shape)), (0, 1)) for each in masks]
+    for shifts in qmc.Sobol(2 * len(masks), rng=np.random.default_rng(0)).random(SHIFTS):
+        pairs = zip(masks, shifts.reshape(-1, 2), strict=True)
+        moved = [np.roll(each, tuple((shift * each.shape).astype(int)), (0, 1)) for each, shift in pairs]
         total.append(measure_strips(blend(moved, weights)))
     return Strips(*np.nanmean(np.array(total), axis=0))
 

@@ -33,7 +33,7 @@ from jaxtex.progressive.warping import signed_distance
 from jaxtex.synthesis.anisometric import sample_sources
 
 _SUM = 1e-3  # by which weights may miss 1
-_RAGGED = 0.9  # of a mask's elements are less ragged than those of a blend may be
+_RAGGED = 0.98  # of a mask's elements are less ragged than those of a blend may be
 
 Floats = npt.NDArray[np.float32]
 
