@@ -15,7 +15,7 @@ from jaxtex.synthesis.exemplars import ExemplarLevel
 _BLOCK = 11  # pixels at the coarsest level: the larger, the more is copied as it stands
 _GUIDED_BLOCK = 5  # likewise, where guides change within larger ones
 _FIT = 1.5  # times as large as it should be may a piece be before it is parted in four
-_DRAWS = 192  # places that are tried for each piece
+_DRAWS = 96  # places that are tried for each piece
 _SPARE = 4  # times as many are drawn, of which those are tried that have been used least
 _SHIFT = 3  # pixels, at most, by which the best of these is moved to where it fits even better
 _NOT_WHOLE = 1e6  # how much worse than all others is a place beside which the exemplar ends within the piece
@@ -54,7 +54,7 @@ def lay_pieces(level: ExemplarLevel, given: Given, tolerance: float, key: Array,
         drawn = _draw_places(level, given, middle, tolerance, inside, radius, rng)
         if not given.guide.shape[2]:
             often = _show(used, _lead(level, given, drawn, middle, inside)).mean(axis=1)
-            drawn = drawn[np.argsort(often, kind="stable")[:_DRAWS]]
+            drawn = drawn[np.argsort(often, kind="stable")[: -(-len(drawn) // _SPARE)]]
         place = choose(choose(drawn) + shifts)
         piece = _lead(level, given, place, middle, inside)[0]
         np.add.at(used, _nearest(used.shape, piece), 1)
@@ -103,7 +103,7 @@ def _draw_places(
     whole = _lie_within(level, given, usable, middle, pixels, radius)
     usable = usable[whole] if whole.any() else usable
     count = _DRAWS if given.guide.shape[2] else _SPARE * _DRAWS
-    return usable[rng.integers(len(usable), size=count)]
+    return usable[rng.choice(len(usable), min(count, len(usable)), replace=False)]
 
 
 def _lie_within(

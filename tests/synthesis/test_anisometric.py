@@ -57,7 +57,8 @@ def test_scale_changes_along_the_picture() -> None:
 @pytest.mark.parametrize("scale", [0.5, 1.0, 2.0])
 def test_spots_are_as_large_as_asked_and_whole(scale: float) -> None:
     exemplar = draw_spots()
-    fields = np.full((144, 144), scale), np.zeros((144, 144))
+    side = 144 if scale > 1 else 96
+    fields = np.full((side, side), scale), np.zeros((side, side))
     areas = []
     for key in jax.random.split(KEY, 3):
         made = sample_sources(exemplar, synthesise_anisometric(exemplar, *fields, key=key), make_frames(*fields))
@@ -67,6 +68,16 @@ def test_spots_are_as_large_as_asked_and_whole(scale: float) -> None:
     radii = np.sqrt(np.concatenate(areas) / np.pi) / (5 * scale)
     assert np.median(radii) == pytest.approx(1, abs=0.08)
     assert np.mean(np.abs(radii - 1) < 0.2) > 0.8
+
+
+def test_seams_of_what_is_enlarged_have_no_stairs() -> None:
+    exemplar = gaussian_filter(np.random.default_rng(0).random((64, 64, 1)), (1.5, 1.5, 0))
+    sources = synthesise_anisometric(exemplar, np.full((128, 128), 2.0), np.zeros((128, 128)), key=KEY)
+    goes_on = np.abs(np.diff(sources, axis=1) - [0, 0.5]).max(axis=2) < 0.1
+    seams = 1 - goes_on.mean()
+    # Were seams decided at half the resolution, they would all lie between its pixels, and none within one.
+    assert seams > 0.02
+    assert 1 - goes_on[:, ::2].mean() > 0.5 * seams
 
 
 def test_parts_of_the_exemplar_are_used_about_equally_often() -> None:
