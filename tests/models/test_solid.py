@@ -55,7 +55,7 @@ def test_gradients_in_point_and_voxels_are_the_numeric_ones(seed):
     with jax.enable_x64(True):
         voxels = jnp.asarray(VOXELS, jnp.float64)
         point = jnp.array([2.3, -4.9, 11.2])
-        check_grads(lambda p, v: make_solid(v, offsets_seed=seed).colour(p), (point, voxels), order=1)
+        check_grads(jax.jit(lambda p, v: make_solid(v, offsets_seed=seed).colour(p)), (point, voxels), order=1)
         assert make_solid(voxels, offsets_seed=seed).colour(point).dtype == jnp.float64
 
 
