@@ -24,7 +24,7 @@ hypothesis.settings.load_profile("jaxtex")
 
 # Each piece of compiled code takes some of a process's memory mappings, of which Linux allows 65530; a compiler that
 # gets no more of them crashes.
-_MAPPINGS = 20_000
+_MAPPINGS = 30_000
 
 
 @pytest.fixture(autouse=True, scope="module")

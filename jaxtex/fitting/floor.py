@@ -29,6 +29,7 @@ _SIZE = 1024  # pixels along the longer side, at which joints are looked for
 _INSET = 0.04  # of a plank's breadth: as far as joints and their shadows reach
 _SMALLEST = 32  # pixels: smaller planks tell too little of their wood
 _LONGEST = 4  # times as long as broad: so much of a plank is read, about its middle
+_SIZES = 4  # pixels: sides of larger planks are multiples of so many
 _MOST = 48  # planks whose wood is fitted one by one
 _MAZE = 0.5  # pixels of displacement from one pixel to the next, typically
 _STEEP = np.pi / 4  # tilt of no plank
@@ -204,6 +205,9 @@ def _cut_out(turned: Floats, corners: Floats, shape: tuple[int, ...], turn: floa
     longest = _LONGEST * int((last - first).min())
     spare = np.maximum(last - first - longest, 0)
     first, last = first + spare // 2, last - (spare - spare // 2)
+    # Fits are compiled for each size that pieces have, and no two planks are as broad to the pixel.
+    odd = np.where(last - first > _SMALLEST, (last - first) % _SIZES, 0)
+    first, last = first + odd // 2, last - (odd - odd // 2)
     piece = turned[first[1] : last[1], first[0] : last[0]]
     known = ~np.isnan(piece)
     filling = np.nanmean(piece, axis=(0, 1)) if known.any() else np.zeros(piece.shape[2])

@@ -1,6 +1,6 @@
 """Boxes that come close to each other: by how much they are apart, of many pairs at once, and as a penalty."""
 
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 import jax.numpy as jnp
 import numpy as np
@@ -35,8 +35,12 @@ class Contacts(NamedTuple):
     least: Array
 
 
-def gaps_between(ways: Array, first: Array, second: Array) -> Array:
-    """By how much boxes are apart, as `boxes.gap_between` has it: of many pairs at once.
+@overload
+def gaps_between(ways: Array, first: Array, second: Array) -> Array: ...
+@overload
+def gaps_between(ways: Floats, first: Floats, second: Floats) -> Floats: ...
+def gaps_between(ways: Array | Floats, first: Array | Floats, second: Array | Floats) -> Array | Floats:
+    """By how much boxes are apart, as `boxes.gap_between` has it: of many pairs at once, of NumPy or of JAX.
 
     Args:
         ways: from the first box's centre to the second one's, [pair, (x, y)].
@@ -50,7 +54,9 @@ def gaps_between(ways: Array, first: Array, second: Array) -> Array:
     (across, down, cosine, sine), (other_across, other_down, other_cosine, other_sine) = first.T, second.T
     along, aslant = abs(cosine * other_cosine + sine * other_sine), abs(sine * other_cosine - cosine * other_sine)
     x, y = ways.T
-    return jnp.stack(
+    # How many pairs there are changes from call to call, for which JAX would compile anew each time.
+    stack = np.stack if isinstance(ways, np.ndarray) else jnp.stack
+    return stack(
         [
             abs(x * cosine + y * sine) - across - other_across * along - other_down * aslant,
             abs(y * cosine - x * sine) - down - other_across * aslant - other_down * along,
@@ -132,4 +138,4 @@ def _pair_up(pattern: Pattern, forms: Floats, margin: float) -> tuple[npt.NDArra
 def _measure(pattern: Pattern, forms: Floats, pairs: npt.NDArray[np.intp], wraps: Floats) -> Floats:
     first, second = pairs.T
     along = pattern.points[second] - pattern.points[first] + wraps
-    return np.asarray(gaps_between(along, forms[first], forms[second]), float)
+    return gaps_between(along, forms[first], forms[second])

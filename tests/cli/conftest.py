@@ -21,3 +21,9 @@ def wall_photo(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("photographs") / "wall.png"
     write_image(path, np.clip(colour + random.normal(0, 0.01, colour.shape), 0, 1))
     return path
+
+
+@pytest.fixture
+def no_maps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Maps of tilings are not what is looked at."""
+    monkeypatch.setattr("jaxtex.cli.results.write_sheet", lambda *_, **__: None)

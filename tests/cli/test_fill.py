@@ -81,12 +81,6 @@ def test_fitting_without_filling_names_no_interiors(wall_photo: Path, tmp_path: 
     assert "--no-fill" in (tmp_path / "wall" / "report.html").read_text(encoding="utf-8")
 
 
-@pytest.fixture
-def no_maps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Maps are not what is looked at."""
-    monkeypatch.setattr("jaxtex.cli.results.write_sheet", lambda *_, **__: None)
-
-
 @pytest.mark.usefixtures("no_maps")
 def test_interiors_are_learnt_from_where_they_are_told(wall_photo: Path, tmp_path: Path) -> None:
     options = ["--tile-region", BRICK, "--joint-region", JOINT]

@@ -36,8 +36,8 @@ def test_everything_is_written_and_opens_again(photo: Path, tmp_path: Path, caps
     assert len(file.planks) == 3
     assert main(["info", str(folder / "model.json")]) == 0
     assert "a floor of 3 planks" in capsys.readouterr().out
-    assert main(["render", str(folder / "model.json"), "-o", str(tmp_path / "maps"), "--size", "64x64"]) == 0
-    assert (tmp_path / "maps" / "basecolor.png").exists()
+    assert main(["render", str(folder / "model.json"), "-o", str(tmp_path / "maps")]) == 0
+    assert {path.name for path in (tmp_path / "maps").iterdir()} == MAPS
     assert main(["render", str(folder / "model.json"), "-o", str(tmp_path / "no"), "--block", "4x4x4"]) == 2
     assert "is a model of a floor" in capsys.readouterr().err
 

@@ -193,8 +193,8 @@ def test_a_picture_of_no_wood_is_status_one_with_everything_written(
     kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     photo, folder = tmp_path / "photo.png", tmp_path / "out"
-    y, x = np.indices((200, 200)) + 0.5
-    tiled = np.where((x % 40 > 6) & (y % 40 > 6), 0.2, 0.5) + np.random.default_rng(0).normal(0, 0.01, (200, 200))
+    y, x = np.indices((160, 160)) + 0.5
+    tiled = np.where((x % 40 > 6) & (y % 40 > 6), 0.2, 0.5) + np.random.default_rng(0).normal(0, 0.01, (160, 160))
     write_image(photo, tiled if kind == "tiles" else np.full((64, 64, 3), 0.5))
     assert fit(photo, folder) == 1
     assert {path.name for path in folder.iterdir()} == FILES

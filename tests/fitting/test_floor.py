@@ -9,13 +9,13 @@ from jaxtex.fitting.floor import _placed, fit_floor
 from jaxtex.models.wood import make_wood
 from jaxtex.models.wood_detail import Displacement
 
-EDGES = (-128, -40, 40, 128)
+EDGES = (-120, -40, 40, 120)
 
 
 def draw_floor(spacings=(8.0, 12.0, 10.0)):
     """Linear planks with upright grain, and dark joints."""
     random = np.random.default_rng(1)
-    v, u = np.indices((256, 256)) + 0.5 - 128
+    v, u = np.indices((256, 240)) + 0.5 - np.array([128, 120])[:, None, None]
     number = np.clip(np.searchsorted(EDGES, u) - 1, 0, 2)
     spacing = np.array(spacings)[number]
     wavy = u + 1.5 * np.sin(v / 30 + 2 * number)

@@ -25,6 +25,7 @@ VALUES = dict.fromkeys(SCALARS, 0.0) | {
 OBLIQUE = VALUES | {"tilt_x": 8e-4, "tilt_y": -5e-4, "shear": 0.07}
 LENGTHS = {"plain": [[1.0, 1.0], [1.0, 1.0]], "flemish": [[1.0, 0.5], [1.0, 0.5]], "english": [[1.0, 1.0], [0.5, 0.5]]}
 HELD = ("corner_radius", "tilt_x", "tilt_y", "shear")
+ROWS = jax.jit(coverage_rows)
 
 
 def pixels(step: int = 1) -> np.ndarray:
@@ -32,9 +33,13 @@ def pixels(step: int = 1) -> np.ndarray:
     return np.stack([columns.ravel(), rows.ravel()], 1)
 
 
+@jax.jit
 def render(free, lengths, points, blur=1.2):
     tiling = build_tiling(jnp.asarray(free), jnp.asarray(lengths), jnp.full(2, SIZE / 2))
     return jax.vmap(lambda point: tiling.square_coverage(point, blur=blur))(jnp.asarray(points))
+
+
+SLOPES = jax.jit(jax.jacfwd(render))
 
 
 def pose(values=VALUES, start=VALUES, *, lengths="plain", noise=0.0, held=HELD) -> Problem:
@@ -54,6 +59,7 @@ def pose(values=VALUES, start=VALUES, *, lengths="plain", noise=0.0, held=HELD) 
     return jax.tree.map(lambda leaf: jnp.asarray(leaf, float), problem)
 
 
+@jax.jit
 def plain_residuals(step, problem):
     """What :func:`mask_residuals` stands for, pixel by pixel."""
     free = problem.free + step * problem.scale * problem.moving
@@ -71,9 +77,9 @@ def test_rows_are_the_derivatives_of_the_model(values, lengths, courses):
     with jax.enable_x64():
         table, points = jnp.asarray(LENGTHS[lengths]), pixels(3)
         free = jnp.asarray(to_free(values, np.linspace(0.0, 0.3, courses)))
-        tile, rows = coverage_rows(free, table, jnp.full(2, SIZE / 2), jnp.asarray(points), jnp.asarray(1.2))
+        tile, rows = ROWS(free, table, jnp.full(2, SIZE / 2), jnp.asarray(points), jnp.asarray(1.2))
         np.testing.assert_allclose(tile, render(free, table, points), atol=5e-7)
-        jacobian = np.asarray(jax.jacfwd(lambda free: render(free, table, points))(free)).T
+        jacobian = np.asarray(SLOPES(free, table, points)).T
         size = np.maximum(np.abs(jacobian).max(1, keepdims=True), 1e-9)
         np.testing.assert_allclose(rows / size, jacobian / size, atol=1e-4)
 
@@ -82,8 +88,9 @@ def test_sums_are_those_of_the_plain_residuals():
     with jax.enable_x64():
         problem = pose(start=VALUES | {"tile_width": 23.2, "mortar_x": 2.5}, noise=0.1)
         step = jnp.linspace(-0.2, 0.2, len(problem.free))
-        residuals, jacobian = plain_residuals(step, problem), jax.jacfwd(plain_residuals)(step, problem)
-        sums = sum_residuals(step, problem)
+        residuals = plain_residuals(step, problem)
+        jacobian = jax.jit(jax.jacfwd(plain_residuals))(step, problem)
+        sums = jax.jit(sum_residuals)(step, problem)
         np.testing.assert_allclose(sums.curvature, jacobian.T @ jacobian, rtol=1e-5, atol=1e-5)
         np.testing.assert_allclose(sums.gradient, residuals @ jacobian, rtol=1e-5, atol=1e-5)
         np.testing.assert_allclose(sums.robust, residuals @ residuals, rtol=1e-7)
@@ -93,8 +100,8 @@ def test_turned_residuals_keep_what_a_solver_sees():
     with jax.enable_x64():
         problem = pose(start=VALUES | {"tile_width": 23.2}, noise=0.1)
         step = jnp.linspace(-0.2, 0.2, len(problem.free))
-        turned, sums = mask_residuals(step, problem)
-        slopes, _ = jax.jacfwd(mask_residuals, has_aux=True)(step, problem)
+        turned, sums = jax.jit(mask_residuals)(step, problem)
+        slopes, _ = jax.jit(jax.jacfwd(mask_residuals, has_aux=True))(step, problem)
         assert turned.shape == (len(step) + 1,)
         np.testing.assert_allclose(turned @ turned, sums.robust, rtol=1e-9)
         np.testing.assert_allclose(turned @ slopes, sums.gradient, rtol=1e-7, atol=1e-9)

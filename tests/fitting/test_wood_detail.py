@@ -110,15 +110,15 @@ def test_a_fitted_plank_has_the_rings_that_were_seen_and_its_file_opens(tmp_path
         ring_spacing=12.0, center=(-150.0, 20.0), rotation=0.2, turbulence_rms=3.0, turbulence_frequency=0.01,
         fibres=Fibres(jnp.asarray(0.2), jnp.asarray(1.5), jnp.asarray([0.2, 0.2])),
     )  # fmt: skip
-    plank = np.concatenate([band.base_colour for band in render_wood(wood, across=200, size=(200, 200))])
+    plank = np.concatenate([band.base_colour for band in render_wood(wood, across=160, size=(160, 160))])
     fit = fit_wood(plank)
-    v, u = np.indices((200, 200)) + 0.5 - 100
+    v, u = np.indices((160, 160)) + 0.5 - 80
     points = jnp.asarray(np.stack([u, v], -1).reshape(-1, 2), jnp.float32)
     count = jax.vmap(lambda at: fit.wood.ring_count(fit.wood.to_trunk(at)))(points)
     inside = np.s_[15:-15, 15:-15]
-    off = np.asarray(count).reshape(200, 200)[inside] - fit.rings[inside]
+    off = np.asarray(count).reshape(160, 160)[inside] - fit.rings[inside]
     assert np.median(np.abs(off)) < 0.05
     report = {"ok": True, "reason": "", "iou": None, "start": None, "standard_errors": {}}
     drawn = wood_from_parameters(wood_parameters(fit.wood), seed=0)
-    save_model(tmp_path / "oak.json", WoodFile(drawn, SourceImage(200, 200, "0" * 64), {}, report))
+    save_model(tmp_path / "oak.json", WoodFile(drawn, SourceImage(160, 160, "0" * 64), {}, report))
     assert isinstance(load_model(tmp_path / "oak.json"), WoodFile)

@@ -129,10 +129,10 @@ def test_wrong_arguments_are_named() -> None:
 
 
 def test_sources_show_other_maps_as_well() -> None:
-    mask = grain(5, 3, 0.3, (40, 40))
+    mask = grain(5, 3, 0.3)
     exemplar = mask[..., None].repeat(3, axis=2) * 0.9
-    blend = blend_textures([exemplar, exemplar], [mask, mask], np.full((2, 40, 40), 0.5), key=KEY)
-    heights = [np.full((40, 40, 1), 1.0), np.full((40, 40, 1), 3.0)]
+    blend = blend_textures([exemplar, exemplar], [mask, mask], np.full((2, 48, 96), 0.5), key=KEY)
+    heights = [np.full((64, 64, 1), 1.0), np.full((64, 64, 1), 3.0)]
     np.testing.assert_allclose(blend.show(heights), 2.0, atol=1e-5)
     np.testing.assert_allclose(
         blend.show([exemplar] * 2),

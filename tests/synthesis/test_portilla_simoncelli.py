@@ -28,7 +28,7 @@ def grain(shape: tuple[int, int] = (64, 64), channels: int = 3, seed: int = 0) -
     return 0.2 + 0.1 * np.exp(noise / noise.std() / 2)[..., None] + 0.05 * tint / tint.std()
 
 
-def bricks(side: int = 128, course: int = 16) -> np.ndarray:
+def bricks(side: int = 64, course: int = 16) -> np.ndarray:
     rows, columns = np.indices((side, side))
     joint = (rows % course < 2) | ((columns + course * (rows // course)) % (2 * course) < 2)
     return np.where(joint, 0.7, 0.4)[..., None] + 0.03 * np.random.default_rng(0).normal(size=(side, side, 1))
