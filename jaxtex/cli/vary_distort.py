@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from jaxtex.progressive.varying import VaryingTexture
 
 _LEAST_MEMORY = 400  # bytes that each pixel of the result takes
+_MOST_APART = 0.2  # of their size may things change across a border over which a texture repeats
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,6 +84,8 @@ class VaryDistort:
         check_memory(f"--size: {size[0]}x{size[1]}", _LEAST_MEMORY * size[0] * size[1])
         scale, orientation = read_fields(self.scale, self.orientation, self.keys, size)
         self._check_neighbourhoods(image)
+        if self.tileable:
+            _check_repeating(scale, _angles_of(orientation))
         sources = self._synthesise(image, scale, _angles_of(orientation), radius)
         self._write(image, _Made(sources, scale, orientation), maps)
         return 0
@@ -177,6 +180,22 @@ class VaryDistort:
             row, column = np.moveaxis(np.rint(made.sources).astype(int), -1, 0)
             mask = read_texton_mask(self.texton_mask)[row, column]
         return VaryingTexture.of(texture, mask=mask, orientation=made.orientation, scale=made.scale)
+
+
+def _check_repeating(scale: "np.ndarray", angles: "np.ndarray") -> None:
+    """Things that are larger, or turned further, on one side of a border than beyond it would be cut there."""
+    import numpy as np
+
+    from jaxtex.synthesis.anisometric import make_frames
+
+    frames = make_frames(scale, angles)
+    for axis, sides in enumerate(("upper and lower", "left and right")):
+        one, other = (np.take(frames, at, axis=axis) for at in (0, -1))
+        if np.any(np.linalg.norm(one - other, axis=(1, 2)) > _MOST_APART * np.linalg.norm(one, axis=(1, 2))):
+            raise InputError(
+                f"--tileable: scales or directions are not the same along the {sides} borders; give fields that "
+                "repeat, or leave --tileable out"
+            )
 
 
 class _Made(NamedTuple):

@@ -57,6 +57,18 @@ def test_numbers(exemplar: Path, capsys: pytest.CaptureFixture[str]) -> None:
     np.testing.assert_allclose(varying.orientation, np.broadcast_to([0.0, 1.0], (60, 70, 2)), atol=1e-6)
 
 
+@pytest.mark.parametrize("option", ["--scale", "--orientation"])
+def test_what_repeats_has_fields_that_do(exemplar: Path, capsys: pytest.CaptureFixture[str], option: str) -> None:
+    across = np.linspace(0.5, 2, 40)
+    channels = [across] if option == "--scale" else [np.cos(across), np.sin(across), 0 * across]
+    path = exemplar.with_name("field.exr")
+    with writing_raster(path, size=(40, 30), channels=len(channels), kind="float", attributes={}) as write_rows:
+        write_rows(np.stack(channels, axis=1)[None].repeat(30, axis=0).astype(np.float32))
+    error = complain(capsys, exemplar, "-o", path.with_name("made.png"), "--size", "40x30", option, path, "--tileable")
+    assert "left and right borders" in error
+    assert "leave --tileable out" in error
+
+
 def test_maps_and_keys_say_the_same(exemplar: Path) -> None:
     size, way, keys = (exemplar.with_name(name) for name in ("size.exr", "way.exr", "keys.toml"))
     write_image(size, np.full((5, 6), 0.75), colour_space="data")
