@@ -276,13 +276,14 @@ def naming(where: object) -> Iterator[None]:
 
 
 @contextmanager
-def naming_options(options: object, path: Path) -> Iterator[None]:
+def naming_options(options: object, path: Path, **sources: object) -> Iterator[None]:
     """Have complaints of the library that begin with an argument's name begin with the option of that name, and all
     that begin with no option, with a file.
 
     Args:
         options: of the command, a dataclass.
         path: of the file that is dealt with.
+        sources: of arguments that come from elsewhere than the option of their name: what complaints name instead.
 
     Examples:
         >>> from dataclasses import make_dataclass
@@ -295,12 +296,18 @@ def naming_options(options: object, path: Path) -> Iterator[None]:
         ...     raise InputError("picture: is all of one colour")
         Traceback (most recent call last):
         jaxtex.core.errors.InputError: mask.png: picture: is all of one colour
+        >>> with naming_options(options, Path("mask.png"), size="--under: wall.png of"):
+        ...     raise InputError("size 8 x 8: is too small")
+        Traceback (most recent call last):
+        jaxtex.core.errors.InputError: --under: wall.png of 8 x 8: is too small
     """
     try:
         yield
     except InputError as error:
         told = str(error)
         argument = re.match(r"\w*", told)
+        if argument and argument[0] in sources:
+            raise InputError(told.replace(argument[0], f"{sources[argument[0]]}", 1)) from None
         if argument and argument[0] in vars(options):
             raise InputError(f"--{told.replace('_', '-', argument[0].count('_'))}") from None
         raise InputError(told if told.startswith("--") else f"{path}: {told}") from None
