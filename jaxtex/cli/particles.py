@@ -110,8 +110,8 @@ class Analyse:
                 raise InputError(f"--output: {path} would be written over; give another folder")
         if has_mended_labels(self.output):
             raise InputError(
-                f"--output: {self.output / 'labels.png'} was mended by hand and would be written over; give another "
-                "folder, or move it away first"
+                f"--output: {self.output / 'labels.png'} is not as 'particles analyse' left it, may have been mended "
+                "by hand, and would be written over; give another folder, or move it away first"
             )
         if self.smallest < 0:
             raise InputError(f"--smallest: {self.smallest} is out of range; give 0 or more")
