@@ -253,11 +253,10 @@ def _files_of(folder: Path) -> tuple[Path, ...]:
 
 def _read_placed(path: Path, folder: "ParticleFolder") -> "Composition":
     """A composition's file, once it is known to be of this folder's particles."""
+    from jaxtex.cli.values import naming
     from jaxtex.particles.composition import check_exemplar, read_composition
 
     placed = read_composition(path)
-    try:
+    with naming(path):
         check_exemplar(placed, folder.decomposition)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
     return placed
