@@ -1,5 +1,6 @@
 """Words on the command line that stand for more than one number: points, sizes, colours."""
 
+import os
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -287,29 +288,24 @@ def naming_options(options: object, path: Path, **sources: object) -> Iterator[N
 
     Examples:
         >>> from dataclasses import make_dataclass
-        >>> options = make_dataclass("Open", ["radius"])(-2)
-        >>> with naming_options(options, Path("mask.png")):
-        ...     raise InputError("radius: -2 is out of range")
-        Traceback (most recent call last):
-        jaxtex.core.errors.InputError: --radius: -2 is out of range
-        >>> with naming_options(options, Path("mask.png")):
-        ...     raise InputError("picture: is all of one colour")
-        Traceback (most recent call last):
-        jaxtex.core.errors.InputError: mask.png: picture: is all of one colour
-        >>> with naming_options(options, Path("mask.png"), size="--under: wall.png of"):
-        ...     raise InputError("size 8 x 8: is too small")
-        Traceback (most recent call last):
-        jaxtex.core.errors.InputError: --under: wall.png of 8 x 8: is too small
+        >>> for told in ("radius: -2 is out of range", "picture: is grey", "size 8 x 8: is too small"):
+        ...     try:
+        ...         with naming_options(make_dataclass("Cut", ["radius"])(-2), Path("b.png"), size="--under: a.png of"):
+        ...             raise InputError(told)
+        ...     except InputError as error:
+        ...         print(error)
+        --radius: -2 is out of range
+        b.png: picture: is grey
+        --under: a.png of 8 x 8: is too small
     """
     try:
         yield
     except InputError as error:
         told = str(error)
-        argument = re.match(r"\w*", told)
-        if argument and argument[0] in sources:
-            raise InputError(told.replace(argument[0], f"{sources[argument[0]]}", 1)) from None
-        if argument and argument[0] in vars(options):
-            raise InputError(f"--{told.replace('_', '-', argument[0].count('_'))}") from None
+        name = re.split(r"\W", told, maxsplit=1)[0]
+        given_by = {each: "--" + each.replace("_", "-") for each in vars(options)} | sources
+        if name in given_by:
+            raise InputError(f"{given_by[name]}{told.removeprefix(name)}") from None
         raise InputError(told if told.startswith("--") else f"{path}: {told}") from None
 
 
@@ -347,8 +343,6 @@ def check_memory(asked: str, needed: int) -> None:
 
 def _physical_memory() -> int:
     """Bytes; where the system does not tell, 16 GiB."""
-    import os
-
     try:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, ValueError, OSError):
