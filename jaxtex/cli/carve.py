@@ -50,6 +50,7 @@ class Carve:
 
     def run(self) -> int:
         from jaxtex.cli.solids import read_solid
+        from jaxtex.cli.values import naming
 
         self._check()
         solid = read_solid(self.block, vary=self.vary)
@@ -57,10 +58,8 @@ class Carve:
         from jaxtex.io.meshes import read_mesh
 
         mesh = read_mesh(self.mesh)
-        try:
+        with naming(f"{self.mesh} carved of {self.block}"):
             (self._colour if self.texture is None else self._bake)(solid, mesh)
-        except InputError as error:
-            raise InputError(f"{self.mesh} carved of {self.block}: {error}") from None
         return 0
 
     def _check(self) -> None:

@@ -116,7 +116,7 @@ class Export:
     def _lay_row(self, file: "TilingFile") -> "Layout | None":
         if self.tiles_in_row is None:
             return None
-        from jaxtex.core.errors import InputError
+        from jaxtex.cli.values import naming
         from jaxtex.io.meshes import read_mesh
         from jaxtex.material.adjacent import lay_tiling
         from jaxtex.material.appearance import appearance_of
@@ -124,10 +124,8 @@ class Export:
         mesh = read_mesh(self.on)
         faces = list(mesh.vertices[mesh.faces])
         up = [float(axis == self.up) for axis in "xyz"]
-        try:
+        with naming(self.on):
             return lay_tiling(faces, file.tiling, tiles=self.tiles_in_row, pattern=appearance_of(file).pattern, up=up)
-        except InputError as error:
-            raise InputError(f"{self.on}: {error}") from None
 
     @property
     def _is_mesh(self) -> bool:

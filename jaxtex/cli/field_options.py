@@ -1,5 +1,6 @@
 """Fields that options name: numbers, pictures of numbers, files of keys."""
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -91,13 +92,12 @@ def _read_scale(word: str) -> "np.ndarray":
 
     scale = _number(word)
     if scale is None:
-        advice = f'[[scale]] map = "{word}", low = 0.5, high = 2'
-        values = _read_map("--scale", word, advice)
+        values = _read_map("--scale", word, ", low = 0.5, high = 2")
         if np.ptp(values, axis=2).any():
             raise InputError(f"--scale: {word} has several channels that differ; give a picture of one")
         return values[..., 0]
-    if not 0 < scale < np.inf:
-        raise InputError(f"--scale: {scale:g} is out of range; give a number above 0")
+    if not LEAST_SCALE <= scale <= MOST_SCALE:
+        raise InputError(f"--scale: {scale:g} is out of range; give {LEAST_SCALE} to {MOST_SCALE:g}")
     return np.full((1, 1), scale)
 
 
@@ -107,7 +107,7 @@ def _read_orientation(word: str) -> "np.ndarray":
 
     degrees = _number(word)
     if degrees is None:
-        values = _read_map("--orientation", word, f'[[orientation]] map = "{word}"')
+        values = _read_map("--orientation", word)
         if values.shape[2] < 2:
             raise InputError(f"--orientation: {word} has one channel; give a picture whose first two are x and y")
         return values[..., :2]
@@ -124,10 +124,15 @@ def _number(word: str) -> float | None:
         return None
 
 
-def _read_map(option: str, word: str, table: str) -> "np.ndarray":
-    """A picture of numbers; `table` of a file of keys says what other pictures stand for."""
+def _read_map(option: str, word: str, levels: str = "") -> "np.ndarray":
+    """A picture of numbers; of other pictures, a file of keys can say what `levels` stand for."""
     path = Path(word)
     if not path.suffix:
         raise InputError(f"{option}: '{word}' is neither a number nor a picture")
-    advice = f", as 'jaxtex field' makes, or say in a file of keys (--keys) what it stands for: {table}"
+    # One line, which is TOML as it stands; names in it are taken from the folder of the file.
+    table = f"{option.removeprefix('--')} = [{{map = {json.dumps(word, ensure_ascii=False)}{levels}}}]"
+    advice = (
+        ", as 'jaxtex field' makes, or say what it stands for, at the top of a file of keys (--keys) in the folder "
+        f"where you are: {table}"
+    )
     return read_numbers(option, path, advice=advice)

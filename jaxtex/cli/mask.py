@@ -128,7 +128,7 @@ class Colour(_Making):
         from jaxtex.photo.segment import colour_mask, pick_colours
 
         if not self.at and not self.colour:
-            raise InputError("nothing picked; give points with --at x,y or colours with --colour rrggbb")
+            raise InputError("--at, --colour: nothing is picked; give points x,y or colours rrggbb")
         points = [parse_point("--at", word) for word in self.at]
         named = srgb_to_linear(np.array([parse_colour("--colour", word) for word in self.colour]).reshape(-1, 3))
         pixels = _lit(pixels, self.even_out)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import jax
 
+from jaxtex.cli.values import naming
 from jaxtex.core.errors import InputError
 from jaxtex.material.appearance import Appearance, appearance_of
 from jaxtex.material.finish import finish_tiling, finish_wood
@@ -129,14 +130,12 @@ def _open_tiling(
     source: Path, file: TilingFile, size: tuple[int, int] | None, longest: int | None, options: SheetOptions
 ) -> ModelMaps:
     timber = options.timber
-    try:
+    with naming(source):
         appearance = appearance_of(file)
         if timber is not None:
             appearance = dataclasses.replace(appearance, tile_specular=0.5, tile_metallic=0.0)  # as wood has it
             timber = timber._replace(bare="tile" not in options.finishes)
         appearance = finish_tiling(appearance, options.finishes)
-    except InputError as error:
-        raise InputError(f"{source}: {error}") from None
     sheet, reasons = _lay(file, appearance, options)
     size = size or _at_most(longest, sheet.natural_size)
     interiors = interiors_of_tiles(source, file) if options.fill else None

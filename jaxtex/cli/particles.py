@@ -110,8 +110,8 @@ class Analyse:
                 raise InputError(f"--output: {path} would be written over; give another folder")
         if has_mended_labels(self.output):
             raise InputError(
-                f"--output: {self.output / 'labels.png'} was mended by hand and would be written over; give another "
-                "folder, or move it away first"
+                f"--output: {self.output / 'labels.png'} is not as 'particles analyse' left it, may have been mended "
+                "by hand, and would be written over; give another folder, or move it away first"
             )
         if self.smallest < 0:
             raise InputError(f"--smallest: {self.smallest} is out of range; give 0 or more")
@@ -165,6 +165,7 @@ class Analyse:
             return _cut_polygons(self.polygons, image, self.classes)
         if self.labels is None:
             return None
+        from jaxtex.cli.values import naming
         from jaxtex.io.images import read_image
         from jaxtex.particles.scissors import label_painted
 
@@ -174,10 +175,8 @@ class Analyse:
                 f"--labels: {self.labels} is {painted.shape[1]} x {painted.shape[0]}, and the exemplar "
                 f"{image.width} x {image.height}; paint over a copy of the exemplar"
             )
-        try:
+        with naming(self.labels):
             labels = label_painted(painted)
-        except InputError as error:
-            raise InputError(f"{self.labels}: {error}") from None
         if not self.label_classes:
             return describe_particles(labels, _class_by_colour(image, labels, self.classes)), None
         kinds, names = _painted_classes(painted, labels)
@@ -278,14 +277,13 @@ def _pick_colours(option: str, word: str, pixels: "np.ndarray") -> "np.ndarray":
 
 
 def _cut_polygons(path: Path, image: "Image", kinds: int | None) -> tuple["Decomposition", tuple[str, ...] | None]:
+    from jaxtex.cli.values import naming
     from jaxtex.particles.scissors import cut_polygons, read_polygons
     from jaxtex.particles.things import describe_particles
 
     polygons = read_polygons(path, (image.width, image.height))
-    try:
+    with naming(path):
         labels = cut_polygons(polygons, (image.height, image.width))
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
     names = tuple(dict.fromkeys(each.name for each in polygons))
     if names == ("",):
         return describe_particles(labels, _class_by_colour(image, labels, kinds)), None

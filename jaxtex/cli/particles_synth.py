@@ -181,7 +181,8 @@ class Synth:
             return placed
         size = _SIZE if self.size is None else parse_size("--size", self.size)
         size = size if below is None else (below.shape[1], below.shape[0])
-        check_memory(f"--size: {size[0]}x{size[1]}", round(_BYTES * size[0] * size[1] * self.scale**2))
+        asked = f"{self._tell_size()} {size[0]} x {size[1]}" + (f", --scale {self.scale:g}" if self.scale != 1 else "")
+        check_memory(f"{asked}:", round(_BYTES * size[0] * size[1] * self.scale**2))
         return self._seed(folder, size).rescaled(self.scale)
 
     def _seed(self, folder: "ParticleFolder", size: tuple[int, int]) -> "Composition":
@@ -195,10 +196,11 @@ class Synth:
 
         germ = None if self.germ is None else parse_point("--germ", self.germ)
         controls = self._controls(size)
-        with naming_options(self, self.control or self.folder):
+        arrangement = learn_arrangement(folder.decomposition)
+        with naming_options(self, self.folder, size=self._tell_size(), controls=self.control):
             placed = seed_composition(
                 folder.decomposition,
-                learn_arrangement(folder.decomposition),
+                arrangement,
                 size,
                 key=jax.random.fold_in(jax.random.key(self.seed), 0),
                 tileable=self.tileable,
@@ -210,6 +212,12 @@ class Synth:
             return placed
         with reporting("relaxing") as report:
             return relax_composition(placed, folder.decomposition, report=report)
+
+    def _tell_size(self) -> str:
+        """Where the size comes from."""
+        if self.under is not None:
+            return f"--under: {self.under} of"
+        return "--size, by default" if self.size is None else "--size"
 
     def _controls(self, size: tuple[int, int]) -> "tuple[Control, ...]":
         from jaxtex.io.masks import read_mask
@@ -245,11 +253,10 @@ def _files_of(folder: Path) -> tuple[Path, ...]:
 
 def _read_placed(path: Path, folder: "ParticleFolder") -> "Composition":
     """A composition's file, once it is known to be of this folder's particles."""
+    from jaxtex.cli.values import naming
     from jaxtex.particles.composition import check_exemplar, read_composition
 
     placed = read_composition(path)
-    try:
+    with naming(path):
         check_exemplar(placed, folder.decomposition)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
     return placed

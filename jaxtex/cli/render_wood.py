@@ -87,15 +87,14 @@ def _write_block(file: "WoodFile", output: Path, shape: tuple[int, int, int]) ->
 
 
 def _write_carving(file: "WoodFile", output: Path, source: Path) -> None:
+    from jaxtex.cli.values import naming
     from jaxtex.io.files import prepare_folder
     from jaxtex.io.meshes import read_mesh, write_mesh
     from jaxtex.material.wood import carve_mesh
 
     mesh = read_mesh(source)
-    try:
+    with naming(source):
         colours = carve_mesh(file.wood, mesh, image=(file.image.width, file.image.height))
-    except InputError as error:
-        raise InputError(f"{source}: {error}") from None
     path = prepare_folder(output) / "mesh.ply"
     write_mesh(path, mesh, colours)
     print(f"{path}: a mesh of {len(mesh.vertices)} coloured vertices")

@@ -63,8 +63,7 @@ class SolidSlice:
 
     def run(self) -> int:
         from jaxtex.cli.solids import read_solid
-        from jaxtex.cli.values import parse_size
-        from jaxtex.core.errors import InputError
+        from jaxtex.cli.values import naming, parse_size
         from jaxtex.io.files import place_for_file
         from jaxtex.io.images import write_image
 
@@ -76,14 +75,12 @@ class SolidSlice:
 
         from jaxtex.material.solid import cut_solid, draw_block
 
-        try:
+        with naming(self.voxels):
             if self.block:
                 picture = draw_block(solid, size=size or _OF_BLOCKS)
             else:
                 plane = self._place_slice(solid, size) if not vectors else _place_cut(solid, vectors, size)
                 picture = cut_solid(solid, **plane._asdict())
-        except InputError as error:
-            raise InputError(f"{self.voxels}: {error}") from None
         write_image(self.output, picture)
         print(f"{self.output}: {picture.shape[1]} x {picture.shape[0]} pixels")
         return 0

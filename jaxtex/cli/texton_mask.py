@@ -1,6 +1,5 @@
 """`jaxtex texton-mask`: which pixels of an exemplar belong to its elements."""
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +21,9 @@ class TextonMask:
     whose regions make the best elements. Then the mask is refined, in the order of the options below: inverted, specks
     dropped, holes filled, closed, opened, dilated, eroded. It is black where there is no element, and types go from
     there to white.
+
+    Look at --overlay. Where colours were chosen with nothing said, things may be missing, as among pebbles of several
+    colours: pick a gap between them then, and invert: --pick X,Y:30 --smoothing 0.7 --invert --open 1.5.
 
     Example: jaxtex texton-mask hide.png -o mask.png --pick 40,31:12 --open 1.5 --overlay look.png
 
@@ -89,12 +91,6 @@ class TextonMask:
         write_together(writers)
         shares = [f"{np.mean(mask == label):.0%} of type {label}" for label in range(1, int(mask.max()) + 1)]
         print(f"{self.output}: {', '.join(shares) or 'no elements'}, {np.mean(mask == 0):.0%} none")
-        if not self.pick and self.painted is None:
-            print(
-                "jaxtex: hint: colours were chosen with nothing said; if --overlay shows that things are missing, as "
-                "among pebbles of several colours, pick a gap between them: --pick X,Y:30 --invert --open 1.5",
-                file=sys.stderr,
-            )
         return 0
 
     def _make(self, pixels: "np.ndarray") -> "np.ndarray":

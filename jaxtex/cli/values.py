@@ -1,5 +1,6 @@
 """Words on the command line that stand for more than one number: points, sizes, colours."""
 
+import os
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -276,33 +277,35 @@ def naming(where: object) -> Iterator[None]:
 
 
 @contextmanager
-def naming_options(options: object, path: Path) -> Iterator[None]:
+def naming_options(options: object, path: Path, **sources: object) -> Iterator[None]:
     """Have complaints of the library that begin with an argument's name begin with the option of that name, and all
     that begin with no option, with a file.
 
     Args:
         options: of the command, a dataclass.
         path: of the file that is dealt with.
+        sources: of arguments that come from elsewhere than the option of their name: what complaints name instead.
 
     Examples:
         >>> from dataclasses import make_dataclass
-        >>> options = make_dataclass("Open", ["radius"])(-2)
-        >>> with naming_options(options, Path("mask.png")):
-        ...     raise InputError("radius: -2 is out of range")
-        Traceback (most recent call last):
-        jaxtex.core.errors.InputError: --radius: -2 is out of range
-        >>> with naming_options(options, Path("mask.png")):
-        ...     raise InputError("picture: is all of one colour")
-        Traceback (most recent call last):
-        jaxtex.core.errors.InputError: mask.png: picture: is all of one colour
+        >>> for told in ("radius: -2 is out of range", "picture: is grey", "size 8 x 8: is too small"):
+        ...     try:
+        ...         with naming_options(make_dataclass("Cut", ["radius"])(-2), Path("b.png"), size="--under: a.png of"):
+        ...             raise InputError(told)
+        ...     except InputError as error:
+        ...         print(error)
+        --radius: -2 is out of range
+        b.png: picture: is grey
+        --under: a.png of 8 x 8: is too small
     """
     try:
         yield
     except InputError as error:
         told = str(error)
-        argument = re.match(r"\w*", told)
-        if argument and argument[0] in vars(options):
-            raise InputError(f"--{told.replace('_', '-', argument[0].count('_'))}") from None
+        name = re.split(r"\W", told, maxsplit=1)[0]
+        given_by = {each: "--" + each.replace("_", "-") for each in vars(options)} | sources
+        if name in given_by:
+            raise InputError(f"{given_by[name]}{told.removeprefix(name)}") from None
         raise InputError(told if told.startswith("--") else f"{path}: {told}") from None
 
 
@@ -340,8 +343,6 @@ def check_memory(asked: str, needed: int) -> None:
 
 def _physical_memory() -> int:
     """Bytes; where the system does not tell, 16 GiB."""
-    import os
-
     try:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, ValueError, OSError):

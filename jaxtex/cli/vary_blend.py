@@ -118,17 +118,22 @@ class VaryBlend:
         """Tell of elements that are much larger in one texture than in another: halfway they are clusters."""
         from jaxtex.progressive.mask_measures import measure_element_area
 
-        found = [measure_element_area(each) for each in masks]
-        told = [each for each in found if each]
-        if told and max(told) > _LIKE * min(told):
-            small, large = found.index(min(told)), found.index(max(told))
-            part = math.sqrt(found[small] / found[large])
-            print(
-                f"jaxtex: hint: elements of {self.masks[large]} have some {found[large]:.0f} pixels and those of "
-                f"{self.masks[small]} {found[small]:.0f}, so there are no clear ones halfway; scale one exemplar and "
-                f"its mask first, {self.exemplars[large]} to {part:.0%} or {self.exemplars[small]} to {1 / part:.0%}",
-                file=sys.stderr,
-            )
+        kinds = range(1, int(masks[0].max()) + 1)
+        for kind in kinds:
+            found = [measure_element_area(each, kind) for each in masks]
+            told = [each for each in found if each]
+            if told and max(told) > _LIKE * min(told):
+                small, large = found.index(min(told)), found.index(max(told))
+                part = math.sqrt(found[small] / found[large])
+                what = "elements" if len(kinds) == 1 else f"elements of type {kind}"
+                print(
+                    f"jaxtex: hint: {what} of {self.masks[large]} have some {found[large]:.0f} pixels and those of "
+                    f"{self.masks[small]} {found[small]:.0f}, so there are no clear ones halfway; scale one exemplar "
+                    f"and its mask first, {self.exemplars[large]} to {part:.0%} or {self.exemplars[small]} to "
+                    f"{1 / part:.0%}",
+                    file=sys.stderr,
+                )
+                return
 
     def _hint_contrasts(self, pictures: list["np.ndarray"], masks: list["np.ndarray"]) -> None:
         """Tell of elements that are dark in one texture and light in another: halfway they look like their ground."""

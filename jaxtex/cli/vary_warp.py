@@ -95,7 +95,8 @@ class VaryWarp:
         labels = varying.read_mask_of(self.mask, self.exemplar, pixels)
         size = (labels.shape[1], labels.shape[0]) if self.size is None else varying.parse_made_size(self.size)
         _check_types(self.mask, labels, growths)
-        self._hint(labels)
+        if any(_shrinks(each) for each in growths):
+            self._hint(labels)
         transition = varying.read_transition(self.transition, self.keys, size)
         made = self._make(pixels, labels, transition, growths, radius)
         varying.write_results(self.output, made, save=self.save, mask=self.mask_output)
@@ -103,19 +104,19 @@ class VaryWarp:
 
     def _hint(self, labels: "np.ndarray") -> None:
         """Tell of pinholes, which become holes where elements shrink."""
-        from jaxtex.progressive.mask_measures import PINHOLE, count_holes
+        from jaxtex.progressive.mask_measures import PINHOLE, count_holes, count_small_regions
 
         holes, pinholes = count_holes(labels)
-        if pinholes:
-            how = ["--fill"] if pinholes == holes else ["--despeckle", f"{PINHOLE}"]
+        if not pinholes:
+            return
+        told = f"{pinholes} {'pinhole' if pinholes == 1 else 'pinholes'}"
+        print(f"jaxtex: hint: {self.mask} has {told} in its elements, of which holes are made", end="", file=sys.stderr)
+        how = ["--fill"] if pinholes == holes else ["--despeckle", f"{PINHOLE}"]
+        if pinholes == holes or pinholes == count_small_regions(labels, PINHOLE):
             other = self.mask.with_name(f"{self.mask.stem}_filled.png")
             words = ["jaxtex", "texton-mask", f"{self.exemplar}", "--painted", f"{self.mask}", *how, "-o", f"{other}"]
-            told = f"{pinholes} {'pinhole' if pinholes == 1 else 'pinholes'}"
-            print(
-                f"jaxtex: hint: {self.mask} has {told} in its elements, of which holes are made; fill them first, "
-                f"as by: {shlex.join(words)}",
-                file=sys.stderr,
-            )
+            print(f"; fill them first, as by: {shlex.join(words)}", end="", file=sys.stderr)
+        print(file=sys.stderr)
 
     def _make(
         self,
@@ -168,6 +169,11 @@ def _check_types(path: Path, labels: "np.ndarray", growths: list[_Growth]) -> No
         if not set(growth.types) & set(there):
             named = " or ".join(map(str, growth.types))
             raise InputError(f"--grow: {path} has no type {named}; it has {', '.join(map(str, there))}")
+
+
+def _shrinks(growth: _Growth) -> bool:
+    """Whether elements lose to what is around them, so that holes in them grow."""
+    return growth.pixels > 0 if 0 in growth.types else growth.pixels < 0
 
 
 def _parse_growth(word: str) -> _Growth:

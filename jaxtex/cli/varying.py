@@ -73,15 +73,14 @@ def read_transition(transition: Path | None, keys: Path | None, size: tuple[int,
     if transition is not None and keys is not None:
         raise InputError("--keys: tells the transition already; leave out --transition")
     if keys is not None:
+        from jaxtex.cli.values import naming
         from jaxtex.progressive.key_files import make_field, read_keys
 
         read = read_keys(keys)
         if not len(read.transition):
             raise InputError(f"{keys}: has no keys of transition; give one at least")
-        try:
+        with naming(keys):
             return np.asarray(make_field(read, "transition", size))
-        except InputError as error:
-            raise InputError(f"{keys}: {error}") from None
     if transition is None:
         return np.broadcast_to(np.linspace(0, 1, size[0], dtype=np.float32), size[::-1])
     from jaxtex.io.images import read_image

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jaxtex.core.errors import InputError
-from jaxtex.io.files import prepare_folder, replacing
+from jaxtex.io.files import prepare_folder, replacing, replacing_together
 from jaxtex.io.images import Image, read_image, write_image
 from jaxtex.models.envelope import SourceImage, read_envelope, write_envelope
 from jaxtex.particles.things import Decomposition, describe_particles
@@ -72,20 +72,23 @@ def write_particles(
     if not (picture.exists() and picture.samefile(image.path)):
         with replacing(picture) as place:
             shutil.copyfile(image.path, place)
-    labels = decomposition.labels[..., None].astype(np.float32) / _MOST
-    write_image(folder / _LABELS, labels, colour_space="data", bits=16)
-    content = {
-        "picture": picture.name,
-        "labels_sha256": _hash(folder / _LABELS),
-        "classes": list(names),
-        "particles": [{"class": each.kind} for each in decomposition.particles],
-    }
+    numbers = decomposition.labels[..., None].astype(np.float32) / _MOST
     source = SourceImage(image.width, image.height, image.sha256)
-    write_envelope(folder / _PARTICLES, "particles", image=source, content=content, versions=None, seed=None)
+    with replacing_together([folder / _LABELS, folder / _PARTICLES]) as (labels, particles):
+        write_image(labels, numbers, colour_space="data", bits=16)
+        content = {
+            "picture": picture.name,
+            "labels_sha256": _hash(labels),
+            "classes": list(names),
+            "particles": [{"class": each.kind} for each in decomposition.particles],
+        }
+        write_envelope(particles, "particles", image=source, content=content, versions=None, seed=None)
 
 
 def has_mended_labels(folder: Path | str) -> bool:
-    """Whether a folder has labels that `write_particles` did not write so, which a person may have mended.
+    """Whether a folder has labels other than `write_particles` left there, which a person may have mended.
+
+    Labels of which particles.json does not tell what was written, as older ones, are among them.
 
     Examples:
         >>> has_mended_labels("nowhere")
@@ -96,7 +99,7 @@ def has_mended_labels(folder: Path | str) -> bool:
         return False
     try:
         document = json.loads((folder / _PARTICLES).read_bytes())
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):  # brackets nested too deep are no file of ours either
         return True
     written = document.get("labels_sha256") if isinstance(document, dict) else None
     return written != _hash(folder / _LABELS)

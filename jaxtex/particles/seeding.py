@@ -141,7 +141,10 @@ def _sow_kind(
     widest = _measure_widest(plane, forms, clearance, terrain)
     enough = rule.density * (terrain.abundance if terrain else 1.0) * plane.width * plane.height
     if enough > _MOST:
-        raise InputError(f"{enough:.0f} particles of a class are asked for, {_MOST} are the most; give a lower density")
+        raise InputError(
+            f"size {plane.width} x {plane.height}: takes {enough:.0f} particles of a class, and {_MOST} are the most; "
+            f"give a smaller one{', or a lower density' if terrain else ''}"
+        )
 
     def prepare(rooms: Sequence[float], overlap: float) -> Sowing:
         stock: Stock
@@ -234,7 +237,7 @@ def _check_controls(decomposition: Decomposition, arrangement: Arrangement, cont
     for number, control in enumerate(controls, 1):
         if not set(control.classes or ()) <= set(range(kinds)):
             told = f"classes {list(control.classes or ())} of control {number}"
-            raise InputError(f"{told}: name classes from 0 to {kinds - 1}")
+            raise InputError(f"controls: {told}: name classes from 0 to {kinds - 1}")
         if not set(control.weights) <= set(range(count)):
             told = f"weights of particles {sorted(control.weights)} in control {number}"
-            raise InputError(f"{told}: name particles from 0 to {count - 1}")
+            raise InputError(f"controls: {told}: name particles from 0 to {count - 1}")

@@ -48,7 +48,9 @@ def scale_field(given: Given, size: tuple[int, int]) -> npt.NDArray[np.float32]:
         >>> scale_field([left, right], (101, 3))[1, [0, 50, 100]].round(1).tolist()
         [0.5, 1.0, 2.0]
     """
-    return np.exp(_scalar_field("scale", given, size, np.log, least=0.0, most=inf)).astype(np.float32)
+    logarithms = _scalar_field("scale", given, size, np.log, least=0.0, most=inf)
+    with np.errstate(over="ignore"):  # beyond float32 they are infinite, which is told as out of range
+        return np.exp(logarithms).astype(np.float32)
 
 
 def transition_field(given: Given, size: tuple[int, int]) -> npt.NDArray[np.float32]:

@@ -15,6 +15,7 @@ PINHOLE = 25
 """Pixels: holes that are hardly meant have fewer."""
 
 _PART = 1 / 50  # of what is around it: a pinhole is less
+_ENOUGH = 1 / 4  # of what is of a type lies in whole elements, if these tell how large all are
 
 
 def measure_contrast(pixels: npt.ArrayLike, mask: npt.ArrayLike) -> float:
@@ -42,31 +43,33 @@ def measure_contrast(pixels: npt.ArrayLike, mask: npt.ArrayLike) -> float:
     return float(lightness[elements].mean() - lightness[~elements].mean())
 
 
-def measure_element_area(mask: npt.ArrayLike) -> float:
-    """How large elements are: half of what they cover lies in elements no larger than this.
+def measure_element_area(mask: npt.ArrayLike, kind: int = 1) -> float:
+    """How large elements of a type are: half of what they cover lies in elements no larger than this.
 
     Args:
         mask: labels [row, col].
+        kind: the type, a label.
 
     Returns:
-        Pixels. Connected regions that reach from one side of the picture to the opposite one, as stripes and gaps, are
-        left out; 0 where there are no others.
+        Pixels. Elements are connected regions of the type; what the picture cuts is left out. 0 where those that are
+        whole are less than a quarter of all that is of the type, as with stripes and gaps, which have no area.
 
     Raises:
         InputError: no mask.
 
     Examples:
-        >>> measure_element_area([[0, 1, 0, 1, 1, 0], [0, 0, 0, 1, 1, 0], [0, 0, 0, 0, 0, 0]])
+        >>> measure_element_area(np.pad([[1, 0, 1, 1], [0, 0, 1, 1]], 1))
         4.0
     """
-    labels = check_texton_mask(mask)
-    regions, _ = ndimage.label(labels > 0)
-    whole = [slice(0, side) for side in labels.shape]
-    places = ndimage.find_objects(regions)
-    seen = np.array([all(found != side for found, side in zip(place, whole, strict=True)) for place in places], bool)
-    areas = np.sort(np.bincount(regions.ravel(), minlength=len(places) + 1)[1:][seen])
+    regions, count = ndimage.label(check_texton_mask(mask) == kind)
+    area = np.bincount(regions.ravel(), minlength=count + 1)
+    whole = np.ones(count + 1, bool)
+    whole[[0, *regions[0], *regions[-1], *regions[:, 0], *regions[:, -1]]] = False
+    areas = np.sort(area[whole])
     covered = np.cumsum(areas)
-    return float(areas[np.searchsorted(covered, 0.5 * covered[-1])]) if len(areas) else 0.0
+    if not len(areas) or covered[-1] < _ENOUGH * area[1:].sum():
+        return 0.0
+    return float(areas[np.searchsorted(covered, 0.5 * covered[-1])])
 
 
 def count_holes(mask: npt.ArrayLike) -> tuple[int, int]:
@@ -95,3 +98,22 @@ def count_holes(mask: npt.ArrayLike) -> tuple[int, int]:
     areas = np.bincount(holes.ravel(), minlength=count + 1)[1:]
     outer = np.bincount(around.ravel())[ndimage.maximum(around, holes, numbers).astype(int)] if count else areas
     return count, int(np.sum((areas < PINHOLE) & (areas < _PART * outer)))
+
+
+def count_small_regions(mask: npt.ArrayLike, area: int) -> int:
+    """How many regions of one value, elements and holes alike, have fewer pixels: those that despeckling drops.
+
+    Args:
+        mask: labels [row, col].
+        area: in pixels.
+
+    Raises:
+        InputError: no mask.
+
+    Examples:
+        >>> count_small_regions([[1, 0, 1, 1, 0, 0, 2, 0]], 2)
+        4
+    """
+    labels = check_texton_mask(mask)
+    regions = [np.bincount(ndimage.label(labels == each)[0].ravel())[1:] for each in np.unique(labels)]
+    return int(np.sum(np.concatenate(regions) < area))

@@ -9,7 +9,6 @@ Departures: masks are dilated and eroded by thresholding signed distances, so ex
 change smoothly. Contours are found by marching squares rather than by border following (Suzuki and Abe 1985).
 """
 
-import itertools
 from collections.abc import Sequence
 from typing import Literal
 
@@ -27,6 +26,7 @@ Direction = Literal["all", "horizontal", "vertical"]
 _SMOOTHING = 0.7  # pixels, standard deviation: stairs that pixels make of borders do not grow with them
 _LEAST = 1e-3  # pixels; a pixel is at least as far on its own side of a border
 _END = 7  # points of a contour, some 5 pixels, that tell which way it goes where it leaves the picture
+_LEAST_HALF = 0.1  # radians of half an arc, which is no longer told from a line
 _SPECK = 6  # pixels: what is left of an element that is smaller vanishes
 _CONTOUR_STEP = 3  # pixels between features along a contour
 _NEIGHBOURS = 48  # features that count for a pixel
@@ -35,6 +35,7 @@ _BORDER_STEP = 16  # pixels between features that hold the picture's border
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
+Complexes = npt.NDArray[np.complex128]
 
 
 def grow_mask(
@@ -88,8 +89,8 @@ def signed_distance(inside: npt.ArrayLike, direction: Direction = "all") -> Floa
 
     Returns:
         [row, col]. The border runs midway between pixels; of "all" directions, stairs that pixels make of it are
-        smoothed, and what the picture cuts closes beyond it as a circle where it bends so. Where no border is seen, it
-        is as far away as any can be.
+        smoothed, and what the picture cuts closes beyond a side or a corner of it as a circle where it bends so. Where
+        no border is seen, it is as far away as any can be.
 
     Examples:
         >>> signed_distance([[False, False, True, True, True, True]], "horizontal").tolist()
@@ -239,29 +240,38 @@ def _close_beyond(contours: Sequence[Floats], shape: tuple[int, ...]) -> list[Fl
     Without them such an element would seem as deep at the border as it is wide there, and leave a tail when it shrinks.
     """
     cut = [each for each in contours if len(each) > 2 * _END and not np.array_equal(each[0], each[-1])]
-    lines = [line for each in cut for line in (each[::-1], each)]
-    arcs = []
-    for axis, border, out in ((0, 0, -1), (1, 0, -1), (0, shape[0] - 1, 1), (1, shape[1] - 1, 1)):
-        ends = sorted((line for line in lines if line[-1, axis] == border), key=lambda line: line[-1, 1 - axis])
-        for one, other in itertools.pairwise(ends):
-            before, after = (_lean(one, other, 1 - axis, places) for places in ((-2 * _END, -_END), (-_END, -1)))
-            if not after > max(before, 0.0):
-                continue
-            chord, half = other[-1, 1 - axis] - one[-1, 1 - axis], max(0.5 * (np.pi - after), 0.1)
-            radius = 0.5 * chord / np.sin(half)
-            turn = np.arange(-half, half, 0.5 / radius)
-            arc = np.empty((len(turn), 2))
-            arc[:, axis] = border + out * radius * (np.cos(turn) - np.cos(half))
-            arc[:, 1 - axis] = one[-1, 1 - axis] + 0.5 * chord + radius * np.sin(turn)
-            arcs.append(arc)
-    return arcs
+    # Complex numbers x + iy, y upwards: what is beyond the picture lies to the left of who goes around it clockwise.
+    lines = [line[:, 1] - 1j * line[:, 0] for each in cut for line in (each[::-1], each)]
+    far = complex(shape[1] - 1, 1 - shape[0])
+    ends = sorted(lines, key=lambda line: -np.angle(line[-1] - 0.5 * far))
+    arcs = [_close(one, other, far) for one, other in zip(ends, ends[1:] + ends[:1], strict=True)]
+    return [np.stack([-arc.imag, arc.real], axis=-1) for arc in arcs]
 
 
-def _lean(one: Floats, other: Floats, axis: int, places: tuple[int, int]) -> float:
-    """Radians by which two contours, between places of theirs, lean to each other along an axis."""
-    ways = [line[places[1]] - line[places[0]] for line in (one, other)]
-    first, second = (np.arcsin(way[axis] / np.hypot(*way)) for way in ways)
-    return float(first - second)
+def _close(one: Complexes, other: Complexes, far: complex) -> Complexes:
+    """The arc, if there is one, on which two contours whose ends follow on each other around the picture go on.
+
+    Args:
+        one, other: points at x + iy that lead to the ends.
+        far: the lower right pixel of the picture.
+    """
+    was, way = (
+        np.array([line[last] - line[first] for line in (one, other)])
+        for first, last in ((-2 * _END, -_END), (-_END, -1))
+    )
+    chord, none = other[-1] - one[-1], np.empty(0, np.complex128)
+    half = 0.5 * np.sum(np.angle([way[0] / chord, -chord / way[1]]) % (2 * np.pi))
+    middle = 0.5 * (one[-1] + other[-1])
+    is_one_side = middle.real in (0, far.real) or middle.imag in (0, far.imag)
+    bend = np.sum(np.angle([was[0] / way[0], way[1] / was[1]]))
+    if bend <= 0 or half >= (0.5 if is_one_side else 0.75) * np.pi:
+        return none
+    half = max(half - 0.25 * bend, _LEAST_HALF)  # ways are those a little before the ends
+    radius = 0.5 * abs(chord) / np.sin(half)
+    turn = np.arange(-half, half, 0.5 / radius)
+    arc = middle + chord / abs(chord) * radius * (np.sin(turn) + 1j * (np.cos(turn) - np.cos(half)))
+    depth = np.minimum.reduce([arc.real, far.real - arc.real, -arc.imag, arc.imag - far.imag])
+    return arc if depth.max() < 1 else none
 
 
 def _distance_to(region: Bools, direction: Direction) -> Floats:

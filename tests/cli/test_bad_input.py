@@ -89,7 +89,7 @@ BAD = [
     Bad("corner outside", "rectify {photo} --corners 0,0 99,0 9,9 0,9 -o out.png", ("(99, 0)", "outside", "64 x 48")),
     Bad("unknown kind of picture", "mask threshold {photo} -o out.xyz", ("out.xyz", "cannot be written")),
     Bad("click outside", "mask colour {photo} --at 99,9 -o out.png", ("--at: points: (99, 9)", "outside")),
-    Bad("nothing clicked", "mask colour {photo} -o out.png", ("nothing picked", "--at")),
+    Bad("nothing clicked", "mask colour {photo} -o out.png", ("nothing is picked", "--at")),
     Bad("negative radius", "mask open {white} --radius -2 -o out.png", ("error: --radius: -2",)),
     Bad("level out of range", "mask threshold {photo} --level 500 -o out.png", ("error: --level: 500",)),
     Bad("nothing but white", "mask sobel {white} -o out.png", ("white.png: picture:", "one single colour")),

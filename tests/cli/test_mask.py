@@ -147,7 +147,7 @@ def test_the_paper_s_way_from_photograph_to_clean_mask(capsys: pytest.CaptureFix
         (["threshold", "wall.png", "--overlay", "nowhere/look.png"], "nowhere/look.png: cannot be written"),
         (["threshold", "flat.png"], "one single lightness"),
         (["threshold", "black.png", "--even-out"], "more than half of it is black"),
-        (["colour", "wall.png"], "nothing picked; give points with --at x,y or colours with --colour"),
+        (["colour", "wall.png"], "error: --at, --colour: nothing is picked; give points x,y or colours rrggbb"),
         (["colour", "wall.png", "--at", "3"], "--at: '3' is no point"),
         (["colour", "wall.png", "--at", "160.5,3"], "(160.5, 3) lies outside the picture, which is 160 x 120"),
         (["colour", "wall.png", "--colour", "blue"], "--colour: 'blue' is no colour"),

@@ -13,7 +13,8 @@ from jaxtex.cli.usage import parse
 from jaxtex.core.errors import InputError
 from jaxtex.io.images import read_image, write_image
 from jaxtex.io.masks import read_mask
-from jaxtex.particles.files import read_particles
+from jaxtex.particles.files import read_particles, write_particles
+from jaxtex.particles.things import describe_particles
 
 SHAPE = 96, 120
 SPOT, SAND = np.array([0.35, 0.05, 0.04]), np.array([0.55, 0.5, 0.35])
@@ -96,7 +97,7 @@ def test_labels_mended_by_hand_are_not_written_over(spots: Path, tmp_path: Path)
         labels, np.where(np.arange(120) < 60, 1 / 65535, 0)[None].repeat(96, axis=0), colour_space="data", bits=16
     )
     mended = labels.read_bytes()
-    with pytest.raises(InputError, match=r"--output: .*labels\.png was mended by hand"):
+    with pytest.raises(InputError, match=r"--output: .*labels\.png is not as .* left it, may have been mended"):
         run(Analyse, *words)
     assert labels.read_bytes() == mended
 
@@ -216,6 +217,9 @@ def test_pictures_that_cannot_be_taken_apart(spots: Path, tmp_path: Path) -> Non
         (("--germ", "900,5", "--size", "60x60"), "^--germ 900,5: is not on the plane"),
         (("--order", "3"), "^--order .3.: name classes"),
         (("--size", "8x8", "--tileable"), "^--size 8 x 8: too small to repeat"),
+        (("--under", "small.png", "--tileable"), r"^--under: small\.png of 9 x 8: too small to repeat"),
+        (("--control", "large.toml", "--tileable"), "^--size, by default 1024 x 1024: too small to repeat"),
+        (("--control", "dense.toml"), "^--size, by default 1024 x 1024: takes .* or a lower density"),
         (("--control", "kinds.toml"), r"^kinds\.toml: classes \[7\] of control 2: name classes from 0 to 0"),
         (("--control", "weights.toml"), r"^weights\.toml: weights of particles \[999\] in control 1: name particles"),
         (("--control", "nowhere.toml"), r"nowhere\.toml"),
@@ -233,9 +237,22 @@ def test_wishes_that_cannot_be_met_in_arranging(
     monkeypatch.chdir(tmp_path)
     Path("kinds.toml").write_text("[[control]]\nsize = 0.5\n[[control]]\nclasses = [7]\n")
     Path("weights.toml").write_text("[[control]]\nweights = {999 = 0}\n")
+    Path("large.toml").write_text("[[control]]\nsize = 100\n")
+    Path("dense.toml").write_text("[[control]]\ndensity = 1000\n")
+    write_image("small.png", np.full((8, 9, 3), 0.5))
     with pytest.raises(InputError, match=told):
         run(Synth, folder, "-o", "out.png", *words)
     assert not (tmp_path / "out.png").exists()
+
+
+def test_that_no_thing_is_whole_is_told_of_the_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_image("edge.png", np.where(np.arange(40) < 12, 0.1, 0.7)[None].repeat(30, axis=0)[..., None])
+    things = describe_particles((np.arange(40) < 12)[None].repeat(30, axis=0).astype(int), [0])
+    write_particles("edge", read_image("edge.png"), things)
+    Path("ctl.toml").write_text("[[control]]\nsize = 0.5\n")
+    with pytest.raises(InputError, match=r"^edge: no particle is complete"):
+        run(Synth, "edge", "-o", "out.png", "--control", "ctl.toml")
 
 
 def test_a_composition_of_other_particles_is_refused(folder: Path, tmp_path: Path) -> None:

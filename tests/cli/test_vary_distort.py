@@ -162,11 +162,12 @@ def test_maps_that_do_not_go_along(
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["--scale", "0"], "--scale: 0 is out of range"),
+        (["--scale", "0"], "--scale: 0 is out of range; give 0.125 to 16"),
         (["--scale", "-1"], "--scale: -1 is out of range"),
         (["--scale", "nan"], "--scale: nan is out of range"),
         (["--scale", "1e400"], "--scale: inf is out of range"),
-        (["--scale", "100"], "give values from 0.125 to 16"),
+        (["--scale", "100"], "--scale: 100 is out of range; give 0.125 to 16"),
+        (["--scale", "1e300"], "--scale: 1e+300 is out of range; give 0.125 to 16"),
         (["--scale", "large"], "neither a number nor a picture"),
         (["--scale", "none.exr"], "none.exr"),
         (["--orientation", "inf"], "--orientation: inf is no direction"),
@@ -204,19 +205,21 @@ def test_files_that_do_not_go_together(exemplar: Path, capsys: pytest.CaptureFix
 @pytest.mark.parametrize(
     ("option", "table"),
     [
-        ("--scale", '[[scale]] map = "grey.png", low = 0.5, high = 2'),
-        ("--orientation", '[[orientation]] map = "grey.png"'),
+        ("--scale", 'scale = [{map = "maps/it\\"s.png", low = 0.5, high = 2}]'),
+        ("--orientation", 'orientation = [{map = "maps/it\\"s.png"}]'),
     ],
 )
 def test_levels_of_pictures_are_no_numbers(
     exemplar: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, option: str, table: str
 ) -> None:
     monkeypatch.chdir(exemplar.parent)
-    write_image("grey.png", np.full((9, 9, 3), 0.4), bits=16)
-    error = complain(capsys, "exemplar.png", "-o", "made.png", option, "grey.png")
-    assert f"{option}: grey.png holds levels, from 0 (black) to 1 (white)" in error
+    Path("maps").mkdir()
+    name = 'maps/it"s.png'
+    write_image(name, np.full((9, 9, 3), 0.4), bits=16)
+    error = complain(capsys, "exemplar.png", "-o", "made.png", option, name)
+    assert f"{option}: {name} holds levels, from 0 (black) to 1 (white)" in error
     assert error.endswith(f"{table}\n")
-    Path("keys.toml").write_text(table.replace("]] ", "]]\n").replace(", ", "\n"))  # and so it is taken
+    Path("keys.toml").write_text(error.partition("in the folder where you are: ")[2])
     scale, orientation = read_fields(None, None, Path("keys.toml"), (4, 3))
     assert scale.shape == orientation.shape[:2] == (3, 4)
 
@@ -230,6 +233,8 @@ def test_fields_out_of_range_are_told_with_their_file(
     assert "--scale: size.exr: scale: a value of the map is 0" in complain(capsys, *words, "--scale", "size.exr")
     write_image("size.exr", np.full((2, 2), 20.0), colour_space="data")
     assert "--scale: size.exr goes from 20 to 20; give" in complain(capsys, *words, "--scale", "size.exr")
+    Path("keys.toml").write_text("[[scale]]\nat = [0.5, 0.5]\nvalue = 1e300\n")
+    assert "keys.toml: scale goes from inf to inf; give values" in complain(capsys, *words, "--keys", "keys.toml")
     Path("keys.toml").write_text("[[scale]]\nat = [0.5, 0.5]\nvalue = 0.1\n")
     assert "keys.toml: scale goes from 0.1 to 0.1; give" in complain(capsys, *words, "--keys", "keys.toml")
     write_image("way.exr", np.zeros((2, 2, 3)), colour_space="data")

@@ -159,6 +159,23 @@ def test_elements_of_very_unequal_size_are_told(
     assert hint.endswith("large.png to 31% or spots.png to 318%\n")
 
 
+def test_sizes_are_compared_by_type(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(*_: object) -> None:
+        raise InputError("stopped")
+
+    monkeypatch.setattr(VaryBlend, "_blend", stop)
+    row, column = np.indices((48, 64))
+    disk = np.hypot(row - 24, column - 20) < 15
+    speck = np.hypot(row - 24, column - 54) < 4
+    write_texton_mask("stripes_mask.png", disk + 2 * speck)
+    for mask, told in ((speck + 2 * disk, True), (disk[:, ::-1] + 2 * speck[:, ::-1], False)):
+        write_texton_mask("spots_mask.png", mask)
+        assert main(["vary", *BLEND]) == 2
+        hint = capsys.readouterr().err
+        assert ("elements of type 1 of stripes_mask.png have some 697 pixels" in hint) == told
+        assert hint.count("pixels") == told
+
+
 def test_pinholes_are_told(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     def stop(*_: object) -> None:
         raise InputError("stopped")
@@ -177,6 +194,55 @@ def test_pinholes_are_told(capsys: pytest.CaptureFixture[str], monkeypatch: pyte
     assert hint.endswith(command)
     assert main(command.split()[1:]) == 0
     np.testing.assert_array_equal(read_texton_mask("spots_mask_filled.png"), spots(16, 7))
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--grow=-1"], True),
+        (["--grow=2"], False),
+        (["--grow=1:0"], True),
+        (["--grow=-1:0"], False),
+        (["--grow=1", "--grow=-1"], True),
+        (["--scale", "2"], False),
+        (["--grow=0"], False),
+    ],
+)
+def test_pinholes_are_told_where_elements_shrink_alone(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, words: list[str], told: bool
+) -> None:
+    monkeypatch.setattr(VaryWarp, "_make", lambda *_: None)
+    monkeypatch.setattr("jaxtex.cli.varying.write_results", lambda *_, **__: None)
+    mask = spots(16, 7)
+    mask[8, 8] = 0
+    write_texton_mask("spots_mask.png", mask)
+    assert main(["vary", "warp", "spots.png", "spots_mask.png", "-o", "out.png", *words]) == 0
+    assert ("pinhole" in capsys.readouterr().err) == told
+
+
+@pytest.mark.parametrize("has_small_elements", [False, True])
+def test_despeckling_is_recommended_where_it_drops_no_element(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, has_small_elements: bool
+) -> None:
+    monkeypatch.setattr(VaryWarp, "_make", lambda *_: None)
+    monkeypatch.setattr("jaxtex.cli.varying.write_results", lambda *_, **__: None)
+    row, column = np.indices((48, 64))
+    away = np.hypot(row - 24, column - 24)
+    mask = ((away < 22) & (away > 5)).astype(np.uint8)  # a hole that is meant
+    mask[24, 36] = 0
+    if has_small_elements:
+        mask[2:5, 58:62] = 1
+    write_texton_mask("spots_mask.png", mask)
+    assert main(["vary", "warp", "spots.png", "spots_mask.png", "-o", "out.png", "--grow=-1"]) == 0
+    hint = capsys.readouterr().err
+    assert hint.count("\n") == 1
+    assert ("--despeckle" in hint) == (not has_small_elements)
+    if has_small_elements:
+        assert hint.endswith("spots_mask.png has 1 pinhole in its elements, of which holes are made\n")
+        return
+    assert main(hint.partition("as by: jaxtex ")[2].split()) == 0
+    mask[24, 36] = 1
+    np.testing.assert_array_equal(read_texton_mask("spots_mask_filled.png"), mask)
 
 
 def test_weights_place_three_textures() -> None:

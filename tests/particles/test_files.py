@@ -56,8 +56,27 @@ def test_that_labels_are_mended_is_known(tmp_path: Path, decomposed: Decompositi
     assert has_mended_labels(tmp_path / "out")
     write_particles(tmp_path / "out", read_image(tmp_path / "things.png"), decomposed)
     assert not has_mended_labels(tmp_path / "out")
+    for text in ("[" * 100_000, "{", "[]", "{}"):
+        (tmp_path / "out" / "particles.json").write_text(text)
+        assert has_mended_labels(tmp_path / "out")
     (tmp_path / "out" / "particles.json").unlink()
     assert has_mended_labels(tmp_path / "out")
+
+
+def test_labels_and_classes_are_replaced_together(
+    tmp_path: Path, decomposed: Decomposition, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    image, before = read_image(tmp_path / "things.png"), (tmp_path / "out" / "labels.png").read_bytes()
+    fewer = describe_particles((decomposed.labels == 1).astype(int), [0])
+    monkeypatch.setattr("jaxtex.particles.files.write_envelope", stop)
+    with pytest.raises(KeyboardInterrupt):
+        write_particles(tmp_path / "out", image, fewer)
+    assert (tmp_path / "out" / "labels.png").read_bytes() == before
+    assert not has_mended_labels(tmp_path / "out")
+    assert {each.name for each in (tmp_path / "out").iterdir()} == {"labels.png", "particles.json", "picture.png"}
 
 
 def test_labels_that_do_not_fit(tmp_path: Path, decomposed: Decomposition) -> None:

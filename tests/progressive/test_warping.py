@@ -89,6 +89,18 @@ def test_what_the_picture_cuts_leaves_no_tail(turns: int, amount: float) -> None
         assert np.sum(made != true) < 0.2 * true.sum()
 
 
+@pytest.mark.parametrize("turns", range(4))
+def test_what_the_picture_cuts_at_a_corner_leaves_no_tail(turns: int) -> None:
+    away = np.hypot(*(np.indices((60, 60)) - 29.8))
+    for rows, columns, amount in ((39, 39, -8.0), (38, 42, -8.0), (41, 41, -8.0), (39, 39, -5.0), (36, 36, -8.0)):
+        disk, true = (np.rot90((away < 14.3 + by)[:rows, :columns], turns) for by in (0.0, amount))
+        made = grow_mask(disk, amount) > 0
+        border = np.pad(np.zeros((rows - 2, columns - 2), bool), 1, constant_values=True)
+        border = np.rot90(border, turns)
+        assert made[border].sum() <= true[border].sum() + 2
+        assert np.sum(made != true) < 0.12 * true.sum()
+
+
 def test_what_goes_on_beyond_the_picture_shrinks_at_its_border_as_elsewhere() -> None:
     stripes = np.broadcast_to(np.arange(80) % 20 < 10, (50, 80))
     for mask in (stripes, stripes.T):
