@@ -1,5 +1,6 @@
 """`jaxtex texton-mask`: which pixels of an exemplar belong to its elements."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,8 @@ import tyro
 
 if TYPE_CHECKING:
     import numpy as np
+
+_NEARLY_ALL = 0.97  # of a mask is of one type: hardly meant
 
 Radius = Annotated[float, tyro.conf.arg(metavar="RADIUS", help_behavior_hint="")]
 
@@ -91,6 +94,9 @@ class TextonMask:
         write_together(writers)
         shares = [f"{np.mean(mask == label):.0%} of type {label}" for label in range(1, int(mask.max()) + 1)]
         print(f"{self.output}: {', '.join(shares) or 'no elements'}, {np.mean(mask == 0):.0%} none")
+        if max(np.mean(mask == label) for label in np.unique(mask)) > _NEARLY_ALL:
+            told = "nearly all of it is of one type; is that so? --overlay shows it, and tolerances of --pick change it"
+            print(f"jaxtex: hint: {self.output}: {told}", file=sys.stderr)
         return 0
 
     def _make(self, pixels: "np.ndarray") -> "np.ndarray":

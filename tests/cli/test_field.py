@@ -132,6 +132,15 @@ def test_pictures_without_elements_are_named(pixels: np.ndarray, told: str, caps
     assert told in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("nearly_all", [False, True])
+def test_a_mask_that_marks_nearly_all_is_told(nearly_all: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    mask = spots()
+    mask[1:] |= nearly_all
+    texton_masks.write_texton_mask("painted.png", mask)
+    assert main(["texton-mask", "hide.png", "--painted", "painted.png", "-o", "mask.png"]) == 0
+    assert capsys.readouterr().err.count("nearly all of it is of one type") == nearly_all
+
+
 def test_picks_have_types() -> None:
     words = ["--pick", "16,16:20:2", "--pick", "0,0:20:1", "--smoothing", "0"]
     assert main(["texton-mask", "hide.png", "-o", "mask.png", *words]) == 0
