@@ -70,6 +70,8 @@ def test_the_examples_in_a_command_s_help_can_be_given(command: Command) -> None
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.words)
-def test_help_tells_no_default_that_is_nothing(command: Command, capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_tells_no_default_or_choice_that_is_nothing(command: Command, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*command.words.split(), "--help"]) == 0
-    assert "default: )" not in " ".join(capsys.readouterr().out.split())
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "default: )" not in shown
+    assert "{None" not in shown

@@ -41,7 +41,7 @@ def parse(options: type[OptionsT], *, prog: str, arguments: Sequence[str]) -> Op
     complaint = io.StringIO()
     try:
         with contextlib.redirect_stderr(complaint):
-            return tyro.cli(options, prog=prog, args=list(arguments))
+            return tyro.cli(options, prog=prog, args=list(arguments), config=(tyro.conf.DisallowNone,))
     except SystemExit as stop:
         if not stop.code:
             return None
