@@ -10,6 +10,7 @@ from jaxtex.material.appearance import Appearance
 from jaxtex.material.bands import count_bands
 from jaxtex.material.maps import Maps, render_maps
 from jaxtex.material.sheet import lay_sheet
+from jaxtex.material.tables import make_material
 from jaxtex.models.tiling import make_tiling
 
 KEY = jax.random.key(3)
@@ -254,6 +255,16 @@ def test_a_tile_has_its_colour_at_every_resolution_and_in_every_sheet():
     assert np.array_equal(low.base_colour[3::6, 6::12], high.base_colour[9::18, 18::36])
     more = render(lay_sheet(wall, tiles=(5, 6)), (60, 36))
     assert np.array_equal(low.base_colour[3::6, 6::12], more.base_colour[3::6, 6::12][:4, :3])
+
+
+def test_sheets_of_few_tiles_share_compiled_code():
+    """Code is compiled anew for another structure, or for leaves of other shapes or precision."""
+    of_two, of_many = (
+        make_material(lay_sheet(make_wall(bond), tiles=tiles), make_appearance(), None, size=(90, 64), key=KEY)
+        for bond, tiles in (("stack", (1, 2)), ("raking", (9, 12)))
+    )
+    assert jax.tree.structure(of_two) == jax.tree.structure(of_many)
+    assert [leaf.aval for leaf in jax.tree.leaves(of_two)] == [leaf.aval for leaf in jax.tree.leaves(of_many)]
 
 
 @pytest.mark.parametrize(
