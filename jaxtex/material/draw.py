@@ -20,6 +20,7 @@ STRONGEST = 0.7
 
 _JITTER = 0.2  # how far drawn colours stray from the seen ones, in standard deviations of all seen ones
 _EDGE = 1 / 512  # black and white as drawn colours see them: half a step of 8 bits inside
+_SHORT = 256  # entries that every table has room for
 
 
 class DrawnTiles(NamedTuple):
@@ -70,8 +71,9 @@ def draw_tiles(appearance: "Appearance", course: npt.ArrayLike, tile: npt.ArrayL
 
 
 def pad_table(table: npt.NDArray) -> npt.NDArray:
-    """A table with zeros after it, up to a power of four: tables of about one length share compiled code."""
-    length = 4 ** math.ceil(math.log(len(table), 4))
+    """A table with zeros after it, up to a power of four: tables of about one length share compiled code, short ones
+    all of it."""
+    length = max(_SHORT, 4 ** math.ceil(math.log(len(table), 4)))
     return np.pad(table, [(0, length - len(table))] + [(0, 0)] * (table.ndim - 1))
 
 

@@ -1,5 +1,7 @@
 """All that a pixel of a sheet depends on but its place, as tables on the device."""
 
+import dataclasses
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -20,7 +22,7 @@ class Material(eqx.Module):
     """Tables are padded, so that sheets of about as many tiles share compiled code.
 
     Attributes:
-        tiling: in single precision.
+        tiling: in single precision; its bond's name, on which nothing depends here, is the same for all.
         first_course: course of the first row of tiles, the one above the sheet.
         shape: rows, and tiles to a row.
         first_tile: number of each row's first tile.
@@ -76,8 +78,9 @@ def make_material(
     if timber is not None and filling is not None:
         filling = straighten_edges(filling)
         wood = cut_tiles(sheet, table, timber, pixel=pixel, key=jax.random.fold_in(key, _CUTS))
+    unnamed = dataclasses.replace(sheet.tiling, bond="irregular")  # static: names would not share compiled code
     return Material(
-        tiling=jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), sheet.tiling),
+        tiling=jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), unnamed),
         first_course=jnp.asarray(sheet.first_course - 1, jnp.int32),
         shape=jnp.asarray(table.tile.shape, jnp.int32),
         first_tile=jnp.asarray(pad_table(table.first)),

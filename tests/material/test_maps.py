@@ -10,6 +10,7 @@ from jaxtex.material.appearance import Appearance
 from jaxtex.material.bands import count_bands
 from jaxtex.material.maps import Maps, render_maps
 from jaxtex.material.sheet import lay_sheet
+from jaxtex.material.tables import make_material
 from jaxtex.models.tiling import make_tiling
 
 KEY = jax.random.key(3)
@@ -36,6 +37,14 @@ def make_appearance(**changes):
     tiles = {(0, n): tuple(colour) for n, colour in enumerate(seen.tolist())}
     relief = {"joint_depth": 3.0, "edge_width": 2.5, "tile_roughness": 0.4, "joint_roughness": 0.9}
     return Appearance(tiles=tiles, joint=(0.9, 0.85, 0.8), **{**relief, **changes})
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small_blocks():
+    """Most of these maps are small: of the usual blocks most pixels would be for nothing."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "_BLOCK", (128, 128))
+        yield
 
 
 def render(sheet, size, *, appearance=None, key=KEY):
@@ -148,11 +157,10 @@ def test_normals_lean_outwards_at_edges_with_y_up():
     assert np.array_equal(normal[64, 128], [0, 0, 1])
 
 
-@pytest.mark.parametrize("block", [(1, 90), (7, 31), (200, 256)])
-def test_maps_in_blocks_are_the_maps_in_one_go(block, monkeypatch):
-    sheet = lay_sheet(make_wall("flemish", corner_radius=3.0), tiles=(3, 4))
+def test_maps_in_blocks_are_the_maps_in_one_go(monkeypatch):
+    sheet = lay_sheet(make_wall(corner_radius=3.0), tiles=(3, 4))
     whole = render(sheet, (90, 64))
-    monkeypatch.setattr(module, "_BLOCK", block)
+    monkeypatch.setattr(module, "_BLOCK", (7, 31))
     for one, other in zip(whole, render(sheet, (90, 64)), strict=True):
         assert np.array_equal(one, other)
 
@@ -169,7 +177,9 @@ def test_bands_are_counted(size):
 def test_a_seamless_sheet_repeats_bit_for_bit(bond):
     # Sizes of which all places are exact numbers, so that nothing is rounded anywhere.
     changes = (
-        {"course_lengths": ((0.75, 1.0), (1.0, 0.75)), "course_offsets": (0.0, 0.375)} if bond == "irregular" else {}
+        {"course_lengths": ((0.75, 1.0), (1.0, 0.75)), "course_offsets": (0.0, 0.375, 0.125)}
+        if bond == "irregular"
+        else {}
     )
     wall = make_wall(bond, **changes)
     one = lay_sheet(wall, tiles=(2, 2), seamless=True)
@@ -245,6 +255,16 @@ def test_a_tile_has_its_colour_at_every_resolution_and_in_every_sheet():
     assert np.array_equal(low.base_colour[3::6, 6::12], high.base_colour[9::18, 18::36])
     more = render(lay_sheet(wall, tiles=(5, 6)), (60, 36))
     assert np.array_equal(low.base_colour[3::6, 6::12], more.base_colour[3::6, 6::12][:4, :3])
+
+
+def test_sheets_of_few_tiles_share_compiled_code():
+    """Code is compiled anew for another structure, or for leaves of other shapes or precision."""
+    of_two, of_many = (
+        make_material(lay_sheet(make_wall(bond), tiles=tiles), make_appearance(), None, size=(90, 64), key=KEY)
+        for bond, tiles in (("stack", (1, 2)), ("raking", (9, 12)))
+    )
+    assert jax.tree.structure(of_two) == jax.tree.structure(of_many)
+    assert [leaf.aval for leaf in jax.tree.leaves(of_two)] == [leaf.aval for leaf in jax.tree.leaves(of_many)]
 
 
 @pytest.mark.parametrize(

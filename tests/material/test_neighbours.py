@@ -134,7 +134,7 @@ def test_what_a_tile_is_like_is_itself_or_one_of_its_colour():
 
 
 def test_tables_are_padded_to_powers_of_four():
-    for length, padded in ((1, 1), (2, 4), (4, 4), (5, 16), (17, 64)):
+    for length, padded in ((1, 256), (256, 256), (257, 1024), (1024, 1024), (1025, 4096)):
         table = pad_table(np.ones((length, 2)))
         assert table.shape == (padded, 2)
         assert table.sum() == 2 * length

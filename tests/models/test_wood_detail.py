@@ -1,6 +1,5 @@
 """Fibres as strong, as long and as many as they say; a displacement that is its own cosine series."""
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,9 +9,15 @@ from jaxtex.models.wood import make_wood
 from jaxtex.models.wood_detail import Displacement, Fibres
 
 
+# Compiled once for all fibres.
+@jax.jit
+def tone_at(fibres: Fibres, points: jax.Array, early: float, blur: float) -> jax.Array:
+    return jax.vmap(lambda at: fibres.tone(at, early, blur=blur))(points)
+
+
 def tones(fibres: Fibres, points: np.ndarray, blur: float = 0.0) -> np.ndarray:
     """In green light, on early wood."""
-    return np.asarray(jax.jit(jax.vmap(lambda at: fibres.tone(at, 1.0, blur=blur)))(jnp.asarray(points, float)))[:, 1]
+    return np.asarray(tone_at(fibres, jnp.asarray(points, float), 1.0, blur))[:, 1]
 
 
 def make_fibres(contrast: float = 0.1, width: float = 2.0, pores: float = 0.0) -> Fibres:
@@ -38,13 +43,12 @@ def test_pores_take_their_share(pores):
 
 
 def test_late_wood_has_pores_of_its_own():
-    fibres, points = make_fibres(0.0, 2.0, 0.2), jnp.asarray(anywhere(4000))
-    late = jax.vmap(lambda at: fibres.tone(at, 0.0, blur=0.0))(points)
+    late = tone_at(make_fibres(0.0, 2.0, 0.2), jnp.asarray(anywhere()), 0.0, 0.0)
     assert float(jnp.abs(late - 1).max()) == 0.0
 
 
 def test_fibres_run_along_the_trunk():
-    start = anywhere(5000)
+    start = anywhere()
     fibres = make_fibres()
     alike = {
         axis: np.corrcoef(tones(fibres, start), tones(fibres, start + 4.0 * np.eye(3)[axis]))[0, 1] for axis in range(3)
@@ -54,7 +58,7 @@ def test_fibres_run_along_the_trunk():
 
 
 def test_a_wide_spot_sees_no_fibres():
-    points = anywhere(4000)
+    points = anywhere()
     seen = [tones(make_fibres(0.2, 2.0, 0.1), points, blur=blur).std() for blur in (0.0, 1.0, 3.0, 30.0)]
     assert seen == sorted(seen, reverse=True)
     assert seen[0] > 0.2
@@ -73,8 +77,9 @@ def test_detail_has_finite_gradients_in_either_precision(dtype):
         def total(wood, at):
             return jnp.sum(wood.colour(wood.to_trunk(at), blur=0.5))
 
+        slopes_at = jax.jit(jax.value_and_grad(total))
         for at in ([0.0, 0.0], [24.0, 60.0], [200.0, -13.5]):
-            value, slopes = jax.jit(jax.value_and_grad(total))(wood, jnp.asarray(at, dtype))
+            value, slopes = slopes_at(wood, jnp.asarray(at, dtype))
             assert value.dtype == dtype
             assert all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(slopes))
 
@@ -123,7 +128,8 @@ def test_rings_of_a_plank_are_displaced_where_it_was_seen(tilt, rotation):
 def test_the_seed_moves_fibres():
     one, other = (make_wood(ring_spacing=20.0, fibres=make_fibres(), seed=seed) for seed in (1, 2))
     points = jnp.asarray(anywhere(500))
-    seen = [eqx.filter_jit(jax.vmap(lambda at, wood=wood: wood.colour(at, blur=0.5)))(points) for wood in (one, other)]
+    look = jax.jit(lambda wood: jax.vmap(lambda at: wood.colour(at, blur=0.5))(points))
+    seen = [look(wood) for wood in (one, other)]
     assert abs(np.corrcoef(seen[0][:, 0], seen[1][:, 0])[0, 1]) < 0.999
 
 
