@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 _MOST_SCALE = 8.0
 _MOST_PIXELS = 1000.0  # that borders move
+_MANY_VANISHED = 0.25  # of the elements: hardly meant
 
 
 class _Growth(NamedTuple):
@@ -118,6 +119,14 @@ class VaryWarp:
             print(f"; fill them first, as by: {shlex.join(words)}", end="", file=sys.stderr)
         print(file=sys.stderr)
 
+    def _hint_vanished(self, laid: "np.ndarray", wanted: "np.ndarray") -> None:
+        from jaxtex.progressive.mask_measures import count_vanished
+
+        vanished, count = count_vanished(laid, wanted)
+        if vanished > _MANY_VANISHED * count:
+            told = f"--grow: {vanished} of {count} elements are so narrow that they vanish; shrink them less"
+            print(f"jaxtex: hint: {told}, or a larger exemplar", file=sys.stderr)
+
     def _make(
         self,
         pixels: "np.ndarray",
@@ -137,6 +146,8 @@ class VaryWarp:
         wanted = self._warp(laid, transition, growths)
         if wanted.max() == wanted.min():
             raise InputError(f"{self.mask}: only one type would be left of it; grow, shrink or bend it less")
+        if growths:
+            self._hint_vanished(laid, wanted)
         sources = filter_exemplar(f"making {self.output}", pixels, labels, wanted, keys[1], radius)
         return VaryingTexture.of(sample_sources(pixels, sources), mask=wanted, transition=transition)
 

@@ -117,3 +117,22 @@ def count_small_regions(mask: npt.ArrayLike, area: int) -> int:
     labels = check_texton_mask(mask)
     regions = [np.bincount(ndimage.label(labels == each)[0].ravel())[1:] for each in np.unique(labels)]
     return int(np.sum(np.concatenate(regions) < area))
+
+
+def count_vanished(before: npt.ArrayLike, after: npt.ArrayLike) -> tuple[int, int]:
+    """How many elements of a mask are gone where it was shrunk, and how many it had.
+
+    Args:
+        before, after: labels [row, col], of one size; elements are connected regions of any type but 0.
+
+    Raises:
+        InputError: no masks, or of two sizes.
+
+    Examples:
+        >>> count_vanished([[1, 0, 1, 1, 1]], [[0, 0, 0, 1, 0]])
+        (1, 2)
+    """
+    whole = check_texton_mask(before)
+    left = check_texton_mask(after, (whole.shape[1], whole.shape[0])) > 0
+    elements, count = ndimage.label(whole > 0)
+    return count - len(np.unique(elements[left & (elements > 0)])), count

@@ -220,6 +220,17 @@ def test_pinholes_are_told_where_elements_shrink_alone(
     assert ("pinhole" in capsys.readouterr().err) == told
 
 
+@pytest.mark.parametrize(("pixels", "told"), [("-2", False), ("-6", True)])
+def test_elements_that_vanish_are_told(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, pixels: str, told: bool
+) -> None:
+    nowhere = np.zeros((*spots(16, 7).shape, 2), np.float32)
+    monkeypatch.setattr("jaxtex.cli.varying.filter_exemplar", lambda *_: nowhere)
+    write_texton_mask("spots_mask.png", spots(16, 5))
+    assert main(["vary", "warp", "spots.png", "spots_mask.png", "-o", "out.png", f"--grow={pixels}"]) == 0
+    assert ("elements are so narrow that they vanish" in capsys.readouterr().err) == told
+
+
 @pytest.mark.parametrize("has_small_elements", [False, True])
 def test_despeckling_is_recommended_where_it_drops_no_element(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, has_small_elements: bool
