@@ -1,12 +1,13 @@
 """`jaxtex field`: how a texture is to vary over a picture, from a few keys."""
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
+
+from jaxtex.cli.hints import hint
 
 if TYPE_CHECKING:
     import numpy as np
@@ -79,10 +80,9 @@ class Field:
         told = f", {field.min():.3g} to {field.max():.3g}" if field.ndim == 2 else ""
         print(f"{self.output}: {kind}, {field.shape[1]} x {field.shape[0]}{told}")
         if kind == "scale" and has_extreme_scales(field):
-            print(
-                f"jaxtex: hint: 'jaxtex vary distort' takes scales from {LEAST_SCALE} to {MOST_SCALE:g} alone; change "
-                f"the values in {self.keys}",
-                file=sys.stderr,
+            hint(
+                f"'jaxtex vary distort' takes scales from {LEAST_SCALE} to {MOST_SCALE:g} alone; change "
+                f"the values in {self.keys}"
             )
         return 0
 

@@ -1,12 +1,12 @@
 """`jaxtex particles synth`: the things of a picture, arranged anew under a person's control."""
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
+from jaxtex.cli.hints import hint
 from jaxtex.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ class Synth:
             write_composition(self.save, placed)
         print(f"{len(placed)} {'thing' if len(placed) == 1 else 'things'} placed; look at {self.output}")
         if not len(placed):
-            print(f"jaxtex: hint: nothing is placed; {self._tell_why_none()}", file=sys.stderr)
+            hint(f"nothing is placed; {self._tell_why_none()}")
         return 0
 
     def _tell_why_none(self) -> str:

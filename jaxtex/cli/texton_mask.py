@@ -1,12 +1,13 @@
 """`jaxtex texton-mask`: which pixels of an exemplar belong to its elements."""
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
+
+from jaxtex.cli.hints import hint
 
 if TYPE_CHECKING:
     import numpy as np
@@ -96,7 +97,7 @@ class TextonMask:
         print(f"{self.output}: {', '.join(shares) or 'no elements'}, {np.mean(mask == 0):.0%} none")
         if max(np.mean(mask == label) for label in np.unique(mask)) > _NEARLY_ALL:
             told = "nearly all of it is of one type; is that so? --overlay shows it, and tolerances of --pick change it"
-            print(f"jaxtex: hint: {self.output}: {told}", file=sys.stderr)
+            hint(f"{self.output}: {told}")
         return 0
 
     def _make(self, pixels: "np.ndarray") -> "np.ndarray":

@@ -2,13 +2,13 @@
 
 import math
 import shlex
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from jaxtex.cli.hints import hint
 from jaxtex.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -126,12 +126,11 @@ class VaryBlend:
                 small, large = found.index(min(told)), found.index(max(told))
                 part = math.sqrt(found[small] / found[large])
                 what = "elements" if len(kinds) == 1 else f"elements of type {kind}"
-                print(
-                    f"jaxtex: hint: {what} of {self.masks[large]} have some {found[large]:.0f} pixels and those of "
+                hint(
+                    f"{what} of {self.masks[large]} have some {found[large]:.0f} pixels and those of "
                     f"{self.masks[small]} {found[small]:.0f}, so there are no clear ones halfway; scale one exemplar "
                     f"and its mask first, {self.exemplars[large]} to {part:.0%} or {self.exemplars[small]} to "
-                    f"{1 / part:.0%}",
-                    file=sys.stderr,
+                    f"{1 / part:.0%}"
                 )
                 return
 
@@ -143,7 +142,7 @@ class VaryBlend:
         dark, light = contrasts.index(min(contrasts)), contrasts.index(max(contrasts))
         if contrasts[dark] < -_CLEAR and contrasts[light] > _CLEAR:
             told = (
-                f"jaxtex: hint: elements are darker than what is around them in {self.exemplars[dark]} and lighter in "
+                f"elements are darker than what is around them in {self.exemplars[dark]} and lighter in "
                 f"{self.exemplars[light]}, so they fade halfway"
             )
             if masks[dark].max() == 1:  # of more types, inverting would leave one
@@ -151,7 +150,7 @@ class VaryBlend:
                 other = mask.with_name(f"{mask.stem}_inverted.png")
                 words = shlex.join(["jaxtex", "texton-mask", f"{name}", "--painted", f"{mask}", "--invert"])
                 told += f"; if a mask marks gaps, turn it round, as by: {words} -o {shlex.quote(str(other))}"
-            print(told, file=sys.stderr)
+            hint(told)
 
     def _read_weights(self, size: tuple[int, int]) -> "np.ndarray":
         """[texture, row, col]."""

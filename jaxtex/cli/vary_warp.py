@@ -3,13 +3,13 @@
 import math
 import re
 import shlex
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import tyro
 
+from jaxtex.cli.hints import hint
 from jaxtex.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -110,14 +110,14 @@ class VaryWarp:
         holes, pinholes = count_holes(labels)
         if not pinholes:
             return
-        told = f"{pinholes} {'pinhole' if pinholes == 1 else 'pinholes'}"
-        print(f"jaxtex: hint: {self.mask} has {told} in its elements, of which holes are made", end="", file=sys.stderr)
+        counted = f"{pinholes} {'pinhole' if pinholes == 1 else 'pinholes'}"
+        told = f"{self.mask} has {counted} in its elements, of which holes are made"
         how = ["--fill"] if pinholes == holes else ["--despeckle", f"{PINHOLE}"]
         if pinholes == holes or pinholes == count_small_regions(labels, PINHOLE):
             other = self.mask.with_name(f"{self.mask.stem}_filled.png")
             words = ["jaxtex", "texton-mask", f"{self.exemplar}", "--painted", f"{self.mask}", *how, "-o", f"{other}"]
-            print(f"; fill them first, as by: {shlex.join(words)}", end="", file=sys.stderr)
-        print(file=sys.stderr)
+            told += f"; fill them first, as by: {shlex.join(words)}"
+        hint(told)
 
     def _hint_vanished(self, laid: "np.ndarray", wanted: "np.ndarray") -> None:
         from jaxtex.progressive.mask_measures import count_vanished
@@ -125,7 +125,7 @@ class VaryWarp:
         vanished, count = count_vanished(laid, wanted)
         if vanished > _MANY_VANISHED * count:
             told = f"--grow: {vanished} of {count} elements are so narrow that they vanish; shrink them less"
-            print(f"jaxtex: hint: {told}, or a larger exemplar", file=sys.stderr)
+            hint(f"{told}, or a larger exemplar")
 
     def _make(
         self,

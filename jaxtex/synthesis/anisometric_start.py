@@ -34,7 +34,7 @@ def lay_pieces(level: ExemplarLevel, given: Given, tolerance: float, key: Array,
     shape = given.frames.shape[:2]
     block = _GUIDED_BLOCK if given.guide.shape[2] else _BLOCK
     sources, laid = np.zeros((*shape, 2), np.float32), np.zeros(shape, bool)
-    used = np.zeros(level.valid.shape, np.int32)
+    used = np.zeros(level.valid.shape, np.intp)
     shifts = _pixels(-_SHIFT, _SHIFT + 1, -_SHIFT, _SHIFT + 1)
     for top, bottom, left, after in _part(np.sqrt(np.linalg.det(given.frames)), block):
         middle = (top + bottom - 1) // 2, (left + after - 1) // 2
@@ -51,10 +51,7 @@ def lay_pieces(level: ExemplarLevel, given: Given, tolerance: float, key: Array,
             missed = missed + _NOT_WHOLE * ~_lie_within(level, given, options, middle, inside, radius)  # noqa: B023
             return options[np.argmin(missed)][None]
 
-        drawn = _draw_places(level, given, middle, tolerance, inside, radius, rng)
-        if not given.guide.shape[2]:
-            often = _show(used, _lead(level, given, drawn, middle, inside)).mean(axis=1)
-            drawn = drawn[np.argsort(often, kind="stable")[: -(-len(drawn) // _SPARE)]]
+        drawn = _draw_places(level, given, middle, tolerance, inside, radius, used, rng)
         place = choose(choose(drawn) + shifts)
         piece = _lead(level, given, place, middle, inside)[0]
         np.add.at(used, _nearest(used.shape, piece), 1)
@@ -94,16 +91,20 @@ def _draw_places(
     tolerance: float,
     pixels: Places,
     radius: int,
+    used: Places,
     rng: np.random.Generator,
 ) -> Places:
     """Some of the places [place, 2] whose transition value is like the one in the middle of a piece of some pixels,
-    and around which the exemplar holds all of it, if there are such."""
+    and around which the exemplar holds all of it, if there are such. Without a guide, those that are used least, where
+    `used` tells how often each pixel is already."""
     apart = np.abs(given.transition[0] - given.transition[1][middle])
     usable = np.argwhere(level.valid & (apart < max(tolerance, apart[level.valid].min() + 1e-6)))
     whole = _lie_within(level, given, usable, middle, pixels, radius)
     usable = usable[whole] if whole.any() else usable
-    count = _DRAWS if given.guide.shape[2] else _SPARE * _DRAWS
-    return usable[rng.choice(len(usable), min(count, len(usable)), replace=False)]
+    spare = 1 if given.guide.shape[2] else _SPARE
+    drawn = usable[rng.choice(len(usable), min(spare * _DRAWS, len(usable)), replace=False)]
+    often = _show(used, _lead(level, given, drawn, middle, pixels)).mean(axis=1)
+    return drawn[np.argsort(often, kind="stable")[: -(-len(drawn) // spare)]]
 
 
 def _lie_within(
